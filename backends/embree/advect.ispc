@@ -29,6 +29,7 @@ struct Output {
   uniform int64 cells, steps;
 };
 #define OUTPUT uniform Output&
+#define STEPS_A_CELL 8  // so many trial steps count as a cell, where a call is to end
 
 static inline vec3 spacingOf(FLOW v) { return make_v3(v.spacingX, v.spacingY, v.spacingZ); }
 
@@ -103,7 +104,8 @@ static inline bool meets(FLOW v, const uniform VolumeView* uniform field, ivec3 
 }
 
 // Advances the heads `which`, in turn. Those whose `reason` is then LINE_GOES_ON go on in another call: because
-// there was no room for more stored points (the result is true), or because heads have been in `most` cells.
+// there was no room for more stored points (the result is true), or because heads have been in `most` cells, or have made as
+// many steps as these take.
 export uniform bool advanceHeads(const void* uniform flowPointer, const void* uniform vectorsPointer,
                                  const void* uniform fieldPointer, void* uniform headsPointer,
                                  const uniform int which[], uniform int n, uniform int64 most,
@@ -137,7 +139,7 @@ export uniform bool advanceHeads(const void* uniform flowPointer, const void* un
   bool again = false;  // the head is in the cell that it was in before
 
   while (true) {
-    uniform bool stops = full || out.cells >= most;
+    uniform bool stops = full || out.cells + out.steps / STEPS_A_CELL >= most;
     // Heads that have ended, or that wait for another call, are put down.
     bool down = head >= 0 && (reason != LINE_GOES_ON || full || (stops && !(byCells && fresh)));
     if (down) {

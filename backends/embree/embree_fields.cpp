@@ -56,7 +56,7 @@ void EmbreeFields::advance(int partition, HeadList heads, const TraceOptions& op
   std::iota(which.begin(), which.end(), 0);
   for (bool full = true; full && !which.empty();) {
     int count = 0;
-    const int64_t left = std::max<int64_t>(kCellsPerCall - counts[0], 1);
+    const int64_t left = std::max<int64_t>(kCellsPerCall - counts[0] - counts[1] / kStepsPerCell, 1);
     full = ispc::advanceHeads(&flow, part.vectors.data(), condition, &view, which.data(), int(which.size()),
                               left, &points, int(stored.capacity()), count, counts);
     addPoints(part, options, heads, points, size_t(count), result.points);

@@ -35,7 +35,8 @@ FilterResult pointwise(FilterRun& run, const FilterSource& source, const std::st
       all += block.extent.count();
     }
     memory = run.takeMemory("volume", bytes);
-    for (const auto& [partition, block] : from.volume->blocks) {
+    for (const auto& [partition, one] : from.volume->blocks) {
+      const VolumeBlock& block = one;
       VolumeBlock& made = volume->blocks[partition];
       made.extent = block.extent;
       made.samples.resize(size_t(block.extent.count()) * sizeof(Made));

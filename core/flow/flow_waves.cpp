@@ -160,7 +160,7 @@ bool Flow::beginWave(const Step& preferred) {
   }
   if (due.empty()) return false;
   std::stable_sort(due.begin(), due.end(), [](const Due& a, const Due& b) { return a.last < b.last; });
-  wave_.emplace();
+  wave_.emplace(Wave{});
   wave_->number = ++waves_;
   wave_->revision = revision_;
   wave_->live = isLive_ && revision_ > evaluatedRevision_;

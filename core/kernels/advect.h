@@ -65,7 +65,7 @@ FN real stepTime(FLOW v, real bend, vec3 lo, vec3 hi, vec3 f, vec3 k) {
   x = a.x > R(0.0) ? x : R(1e30);
   y = a.y > R(0.0) ? y : R(1e30);
   z = a.z > R(0.0) ? z : R(1e30);
-  real h = min1(v.theta / largest3(a), bend);
+  real h = min1(v.theta / greatest3(a), bend);
   return min1(min1(h, STEP_OVER * min1(min1(x, y), z)), R(1e12));
 }
 
@@ -149,7 +149,7 @@ FN int judgeStep(vec3 b0, vec3 b1, vec3 b2, vec3 b3, vec3 lo, vec3 hi, OUT(real)
       result = STEP_AGAIN;
       s = STEP_OVER * s;
     }
-  } else if (largest3(middle) > STEP_SLACK) {
+  } else if (greatest3(middle) > STEP_SLACK) {
     result = STEP_AGAIN;
     s = R(0.5);
   }

@@ -74,8 +74,8 @@ FN vec3 flowAt(CellFlow p, vec3 f) {
 
 FN vec3 abs3(vec3 v) { return make_v3(abs(v.x), abs(v.y), abs(v.z)); }
 FN vec3 larger3(vec3 a, vec3 b) { return make_v3(max1(a.x, b.x), max1(a.y, b.y), max1(a.z, b.z)); }
-FN real largest3(vec3 v) { return max1(max1(v.x, v.y), v.z); }
-FN real largestOf3(vec3 v) { return largest3(abs3(v)); }
+FN real greatest3(vec3 v) { return max1(max1(v.x, v.y), v.z); }
+FN real largestOf3(vec3 v) { return greatest3(abs3(v)); }
 
 // |J|: the size of the field's derivative in the cell: the largest row of the matrix of the largest differences
 // along its edges. Of a diagonal matrix and of a rotation it is the matrix's norm.
@@ -87,7 +87,7 @@ FN real flowDerivative(CellVectors v) {
   vec3 z = larger3(larger3(abs3(v.v001 - v.v000), abs3(v.v101 - v.v100)),
                    larger3(abs3(v.v011 - v.v010), abs3(v.v111 - v.v110)));
   vec3 squares = (x * x + y * y) + z * z;
-  return sqrt(largest3(squares));
+  return sqrt(greatest3(squares));
 }
 
 // The velocity through a face, by one function of its four corners, so that both cells agree on its sign. What

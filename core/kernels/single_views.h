@@ -7,9 +7,9 @@
 #define RAW const void*
 #define BYTE std::uint8_t
 namespace gxy::single {
-#include "core/kernels/scene_view.h"
 #include "core/kernels/sampling_view.h"
-}
+#include "core/kernels/scene_view.h"
+}  // namespace gxy::single
 #undef PTR
 #undef RAW
 #undef BYTE

@@ -35,6 +35,8 @@ const FlowPart& partIn(const FlowParts& parts, int partition);
 /// The most cells that heads go through in one call. The rest of them then goes on in the same partition, so
 /// that no call takes long and no result is large.
 inline constexpr int64_t kCellsPerCall = 1 << 18;
+/// So many trial steps count as a cell there: heads may go round in one cell.
+inline constexpr int64_t kStepsPerCell = 8;
 
 /// Stored points as kernels write them (stored_fields.h).
 struct StoredView {

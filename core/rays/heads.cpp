@@ -111,7 +111,8 @@ const char* wrongIn(const HeadList& heads, const Extent& extent) {
       if (!(x >= 0 && std::isfinite(x))) return "a head of a line has a time or a length below 0";
     for (float x : {h.timeRest[i], h.lengthRest[i]})
       if (!std::isfinite(x)) return "a head of a line has a time or a length that is not finite";
-    if (h.steps[i] < 0 || h.stalled[i] < 0) return "a head of a line has been in less than no cell";
+    if (h.steps[i] < 0) return "a head of a line has been in less than no cell";
+    if (h.stalled[i] < 0 || h.stalled[i] > kMostStalled) return "a head of a line has stood still too often";
     if (h.points[i] < 0 || h.points[i] > kMostPoints) return "a head of a line has too many points";
   }
   return nullptr;

@@ -26,6 +26,8 @@ struct HeadView {
 inline constexpr uint64_t kLastLine = (uint64_t(1) << 40) - 1;
 /// The most points that a head can store.
 inline constexpr int32_t kMostPoints = 1 << 24;
+/// The largest value of a head's `stalled`: its trial steps in a cell, times 16, and crossings (kernels/advect.h).
+inline constexpr int32_t kMostStalled = (1 << 20) + 31;
 
 /// Owns the arrays of heads in one partition. Each array is 64-byte aligned and padded to a multiple of 16
 /// heads, so that a full gang may load past the end. It is an ItemList (core/render/flight.h) whose only kind

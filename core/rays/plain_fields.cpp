@@ -9,6 +9,9 @@
 
 namespace gxy {
 
+// What counts for kCellsPerCall.
+static int64_t spent(const AdvanceCounters& c) { return int64_t(c.cells) + int64_t(c.steps) / kStepsPerCell; }
+
 AdvanceCounters& AdvanceCounters::operator+=(const AdvanceCounters& o) {
   headsAdvanced += o.headsAdvanced;
   cells += o.cells;
@@ -65,8 +68,8 @@ class Walk {
 
   // Goes through cells until the head ends or leaves, or has been in `most` more.
   void run(int64_t most) {
-    for (const uint64_t until = counters_.cells + uint64_t(most);
-         reason_ == LINE_GOES_ON && (mustGoOn() || counters_.cells < until);)
+    for (const int64_t until = spent(counters_) + most;
+         reason_ == LINE_GOES_ON && (mustGoOn() || spent(counters_) < until);)
       goThroughCell();
     const bool ended = reason_ != LINE_GOES_ON && reason_ != LINE_LEAVES;
     const bool stores = v_.points == POINTS_ENDS ? length_ > 0 : v_.points == POINTS_CELLS && h_.fresh[i_];
@@ -212,7 +215,7 @@ class PlainFields final : public DeviceFields {
         options.condition ? std::optional(options.condition->field) : std::nullopt;
     std::vector<std::array<float, 13>> points;
     for (int i = 0; i < heads.size(); i++) {
-      const int64_t left = kCellsPerCall - int64_t(result.counters.cells);
+      const int64_t left = kCellsPerCall - spent(result.counters);
       single::Walk(view, part, condition, heads.view(), i, points, result.counters)
           .run(std::max<int64_t>(left, 0));
     }

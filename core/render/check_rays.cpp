@@ -17,7 +17,8 @@ const char* wrongIn(const RayList& rays, bool primary, const RayLimits& limits) 
   const RayView& r = rays.view();
   for (int i = 0; i < rays.size(); i++) {
     if (r.pixel[i] >= limits.pixels) return "a ray's pixel lies outside the picture";
-    if (RAY_SAMPLE_NUMBER(r.info[i]) >= limits.samples) return "a ray has a sample that the frame does not have";
+    if (RAY_SAMPLE_NUMBER(r.info[i]) >= limits.samples)
+      return "a ray has a sample that the frame does not have";
     const uint32_t kind = RAY_KIND(r.info[i]);
     if (primary ? kind != RAY_PRIMARY : kind != RAY_SHADOW && kind != RAY_OCCLUSION)
       return "a ray is of another kind than the message";

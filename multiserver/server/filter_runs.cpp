@@ -154,7 +154,7 @@ std::vector<std::string> FilterRuns::importAndMake(Request& request, Datasets::I
           "of them, or a dataset of this name");
   }
   std::vector<std::string> warnings;
-  if (!what.specs.empty()) warnings = serverRank_.datasets->import(request, what);
+  if (!what.specs.empty() || all.empty()) warnings = serverRank_.datasets->import(request, what);
   for (const size_t i : order)
     if (!all[i].name.empty() && !(what.onlyMissing && isThere(all[i]))) make(request, all[i], what.scope);
   return warnings;

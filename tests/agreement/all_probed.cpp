@@ -17,6 +17,8 @@ namespace gxy::all_probed {
 // clang-format off
 #include "core/kernels/dialect.h"
 #include "core/kernels/all.h"
+#include "core/kernels/philox.h"
+#include "core/kernels/samples.h"
 namespace rays {
 #include "tests/kernels/probe.h"
 }

@@ -3,7 +3,7 @@
 // whose field is v, from seeded input i. C++, ISPC and GLSL read it after core/kernels/scene.h; their results have the same
 // bits.
 
-#define SCENE_PROBES 40
+#define SCENE_PROBES 43
 
 // In [lo, hi).
 FN real drawIn(uint i, uint salt, real lo, real hi) { return lo + (hi - lo) * unitReal(hash2(i, salt)); }
@@ -180,9 +180,22 @@ FN real probeSurface(SCENE s, FRAME f, OPERATOR op, VOLUME v, int p, vec3 o, vec
   return toReal(units(A * weight));
 }
 
+FN real probeSample(OPERATOR op, VOLUME v, int p, vec3 o, vec3 d, uint i) {
+  real t = drawIn(i, 26u, R(0.0), R(1.5));
+  if (p == 42) return inRange(t, R(0.25), R(0.75)) ? R(1.0) : R(0.0);
+  if (op.kind == KIND_PARTICLES || op.kind == KIND_PATHLINES || op.kind == KIND_TRIANGLES) return R(-1.0);
+  real x = valueMet(v, o, d, t);
+  if (p == 41) {
+    vec3 gradient = gradientMet(v, o, d, t);
+    x = gradient.y;
+  }
+  return x == x ? x : R(-2.0);
+}
+
 FN real sceneProbe(SCENE s, FRAME f, OPERATOR op, VOLUME v, VOLUMES list, UNIFORM int count, int p, uint i) {
   vec3 o = drawPoint(i, 1u, R(0.7)), d = unit3(drawPoint(i, 4u, R(1.0)));
   if (p < 6) return probeCamera(f, p, i);
+  if (p >= 40) return probeSample(op, v, p, o, d, i);
   if (p < 13) return probeLattice(s, p, o, d, i);
   if (p < 25) return probeCuts(s, op, v, list, count, p, o, d, i);
   return probeSurface(s, f, op, v, p, o, d, i);

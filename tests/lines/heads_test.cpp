@@ -111,6 +111,7 @@ TEST(HeadList, HeadsThatNoRankWouldSendAreRefused) {
   EXPECT_TRUE(refused([](const HeadView& h) { h.steps[5] = -1; }));
   EXPECT_TRUE(refused([](const HeadView& h) { h.points[5] = kMostPoints + 1; }));
   EXPECT_TRUE(refused([](const HeadView& h) { h.stalled[5] = -1; }));
+  EXPECT_TRUE(refused([](const HeadView& h) { h.stalled[5] = std::numeric_limits<int>::max(); }));
 }
 
 }  // namespace
