@@ -9,6 +9,7 @@
 #include "core/comm/error.h"
 #include "core/comm/in_process.h"
 #include "core/comm/random.h"
+#include "core/rays/field_maker.h"
 #include "tests/analysis/rank_flows.h"
 #include "tests/support/seeds.h"
 
@@ -327,6 +328,48 @@ TEST(Trace, RefusesRequestsThatCannotBe) {
           "rank 0: trace: 1 seeds have 2 numbers of lines, expected as many");
   refused([](TraceRequest& r, int) { r.device = nullptr; },
           "rank 0: trace: there are no fields, expected some");
+}
+
+/// A backend that advances lines, or not.
+class SomeBackend final : public Backend {
+ public:
+  explicit SomeBackend(bool advances) : advances_(advances) {}
+  std::string name() const override { return "some"; }
+  std::string device() const override { return "none"; }
+  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene>, int,
+                                         const Advance&) const override {
+    throw Error("no scenes");
+  }
+  std::unique_ptr<DeviceFields> makeFields(std::shared_ptr<const CompiledFields> fields,
+                                           int rank) const override {
+    return advances_ ? makePlainFields(std::move(fields), rank) : nullptr;
+  }
+
+ private:
+  const bool advances_;
+};
+
+TEST(FieldMaker, TakesTheOtherBackendOnlyWhereTheOneInUseCannot) {
+  const Grid grid = gridOver({-4, -4, -4}, {4, 4, 4}, {5, 5, 5});
+  const auto fields = flowOnRanks(grid, rotation, whole(grid.box())).front().fields;
+  int made = 0;
+  BackendRegistry registry;
+  registry.addForFields([&made](Ledger*) {
+    made++;
+    return std::make_unique<SomeBackend>(true);
+  });
+  const SomeBackend able(true), unable(false);
+  EXPECT_NE(FieldMaker(able, registry).make(fields, 0), nullptr);
+  EXPECT_EQ(made, 0);
+  FieldMaker maker(unable, registry);
+  for (int i = 0; i < 2; i++) EXPECT_NE(maker.make(fields, 0), nullptr);
+  EXPECT_EQ(made, 1) << "it is kept";
+  try {
+    FieldMaker(unable, BackendRegistry()).make(fields, 0);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_STREQ(e.what(), "backend some cannot trace lines, and this program has no other one that can");
+  }
 }
 
 }  // namespace
