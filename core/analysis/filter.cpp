@@ -5,22 +5,10 @@
 
 #include "core/comm/error.h"
 #include "core/data/geometry_bytes.h"
+#include "core/scene/dataset_type.h"
 
 namespace gxy {
 namespace {
-
-DatasetType typeOf(const Dataset& dataset) {
-  if (dataset.volume) return DatasetType::Volume;
-  switch (dataset.geometry->kind) {
-    case GeometryKind::Particles:
-      return DatasetType::Particles;
-    case GeometryKind::PathLines:
-      return DatasetType::PathLines;
-    case GeometryKind::Triangles:
-      break;
-  }
-  return DatasetType::Triangles;
-}
 
 std::vector<const FilterSource*> sourcesOf(const FilterRun& run) {
   std::vector<const FilterSource*> sources;

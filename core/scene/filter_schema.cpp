@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/comm/error.h"
+#include "core/scene/dataset_type.h"
 
 namespace gxy {
 namespace {
@@ -130,10 +131,9 @@ void readOwnKeys(const Found& item, const FilterSchema& filter, const JsonValue&
 }  // namespace
 
 std::string namesOf(unsigned types) {
-  constexpr const char* kNames[] = {"Volume", "Particles", "PathLines", "Triangles"};
   std::vector<std::string> names;
-  for (unsigned i = 0; i < std::size(kNames); i++)
-    if (types & (1u << i)) names.push_back(kNames[i]);
+  for (int i = 0; i < kDatasetTypes; i++)
+    if (types & bitOf(DatasetType(i))) names.push_back(nameOf(DatasetType(i)));
   std::string text;
   for (size_t i = 0; i < names.size(); i++)
     text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "core/scene/dataset_type.h"
 #include "core/scene/filter_schema.h"
 #include "core/scene/schema.h"
 
 namespace gxy {
 namespace {
-
-constexpr const char* kDatasetTypes[] = {"Volume", "Particles", "PathLines", "Triangles"};
 
 DatasetSpec readDataset(const Found& item) {
   if (item.value.find("filter")) return readFilterEntry(item);
@@ -99,9 +98,9 @@ OrderedJson writeAll(const std::vector<T>& items, const Schema<T>& schema) {
 }  // namespace
 
 void readDatasetType(const Found& found, DatasetSpec& dataset) {
-  const auto it = std::find(std::begin(kDatasetTypes), std::end(kDatasetTypes), found.text());
-  if (it == std::end(kDatasetTypes)) found.fail("Volume, Particles, PathLines or Triangles");
-  dataset.type = DatasetType(it - std::begin(kDatasetTypes));
+  const auto type = datasetTypeNamed(found.text());
+  if (!type) found.fail("Volume, Particles, PathLines or Triangles");
+  dataset.type = *type;
 }
 
 const Schema<DatasetSpec>& datasetSchema() {
@@ -111,8 +110,7 @@ const Schema<DatasetSpec>& datasetSchema() {
       {
           textKey("name", &D::name, "What operators call it; each name once.").byDefault("the file name"),
           customKey<D>("type", "Volume, Particles, PathLines or Triangles", "What is in the file.",
-                       readDatasetType,
-                       [](const D& d) { return OrderedJson(kDatasetTypes[unsigned(d.type)]); })
+                       readDatasetType, [](const D& d) { return OrderedJson(nameOf(d.type)); })
               .require(),
           customKey<D>(
               "filename", "text", "The file: absolute, or relative to the state file's directory.",

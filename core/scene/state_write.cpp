@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/comm/error.h"
+#include "core/scene/dataset_type.h"
 #include "core/scene/filter_schema.h"
 #include "core/scene/schema.h"
 #include "core/scene/state_file.h"
@@ -57,12 +58,11 @@ void print(const OrderedJson& value, const std::string& indent, std::string& out
 std::string code(const std::string& text) { return "`" + text + "`"; }
 
 std::string applicability(const KeyInfo& info) {
-  constexpr const char* kNames[] = {"Volume", "Particles", "PathLines", "Triangles"};
   if (info.appliesTo == ~0u) return "";
   std::string out;
-  for (unsigned i = 0; i < 4; ++i) {
-    if (info.appliesTo & (1u << i)) out += (out.empty() ? "" : ", ") + std::string(kNames[i]);
-  }
+  for (int i = 0; i < kDatasetTypes; ++i)
+    if (info.appliesTo & bitOf(DatasetType(i)))
+      out += (out.empty() ? "" : ", ") + std::string(nameOf(DatasetType(i)));
   return " (" + out + (info.needs.empty() ? "" : " with " + code(info.needs)) + ")";
 }
 

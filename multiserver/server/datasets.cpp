@@ -46,24 +46,6 @@ const char* nameOf(DatasetEvent::Kind kind) {
 
 }  // namespace
 
-DatasetType typeOf(const Dataset& dataset) {
-  if (dataset.volume) return DatasetType::Volume;
-  switch (dataset.geometry->kind) {
-    case GeometryKind::Particles:
-      return DatasetType::Particles;
-    case GeometryKind::PathLines:
-      return DatasetType::PathLines;
-    case GeometryKind::Triangles:
-      break;
-  }
-  return DatasetType::Triangles;
-}
-
-const char* nameOf(DatasetType type) {
-  constexpr const char* names[] = {"Volume", "Particles", "PathLines", "Triangles"};
-  return names[size_t(type)];
-}
-
 void checkDatasetName(const std::string& name) {
   if (name.empty() || name.size() > 255 || protocol::hasControls(name))
     throw Error("name " + inQuotes(name.substr(0, 40)) +

@@ -16,6 +16,7 @@
 
 #include "core/data/dataset.h"
 #include "core/data/partitioning.h"
+#include "core/scene/dataset_type.h"
 #include "core/scene/scene.h"
 #include "core/space/publication.h"
 #include "multiserver/server/server_rank.h"
@@ -23,12 +24,6 @@
 namespace gxy {
 
 class Request;
-
-/// Returns the type of a dataset.
-DatasetType typeOf(const Dataset& dataset);
-
-/// "Volume", "Particles", "PathLines", "Triangles".
-const char* nameOf(DatasetType type);
 
 /// A dataset as a tenant sees it.
 struct NamedDataset {

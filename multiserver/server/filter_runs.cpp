@@ -71,13 +71,6 @@ struct MakeWork {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MakeWork, exchange, items, filter, properties, tenant, turn, sources)
 
-std::optional<DatasetType> typeNamed(const std::string& name) {
-  for (const auto type :
-       {DatasetType::Volume, DatasetType::Particles, DatasetType::PathLines, DatasetType::Triangles})
-    if (name == nameOf(type)) return type;
-  return std::nullopt;
-}
-
 std::vector<std::string> namesIn(const DatasetSpec& entry) {
   std::vector<std::string> names;
   for (const FilterInput& input : entry.inputs)
@@ -101,7 +94,7 @@ json FilterRuns::make(Request& request, const DatasetSpec& entry, Scope scope) {
   const auto filter = serverRank_.filters.get(entry.filter);
   const auto exchange = serverRank_.exchanges.beginLong(request);
   const auto made = filter->schema.typeMadeBy(entry, [&](const std::string& name) {
-    return typeNamed(serverRank_.datasets->get(tenant, name).type);
+    return datasetTypeNamed(serverRank_.datasets->get(tenant, name).type);
   });
   std::shared_ptr<const Datasets::Names> names;
   if (made) names = serverRank_.datasets->begin(request, *exchange, "make", scope, {{entry.name, *made}});
@@ -110,7 +103,8 @@ json FilterRuns::make(Request& request, const DatasetSpec& entry, Scope scope) {
   const std::vector<std::string> read = namesIn(entry);
   const auto pinned = serverRank_.datasets->getPinned(tenant, read);
   checkInputs(filter->schema, entry, [&](const std::string& name) {
-    return typeNamed(pinned[size_t(std::find(read.begin(), read.end(), name) - read.begin())].first.type);
+    return datasetTypeNamed(
+        pinned[size_t(std::find(read.begin(), read.end(), name) - read.begin())].first.type);
   });
   MakeWork work{*exchange,
                 names ? names->items() : json::array(),
