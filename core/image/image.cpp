@@ -72,6 +72,13 @@ std::vector<std::byte> encodeImage(const std::string& format, const Image& image
   return encodePng(image);
 }
 
+std::vector<std::byte> encodeDepth(int width, int height, std::span<const double> depth) {
+  if (width < 1 || height < 1 || depth.size() != size_t(width) * size_t(height))
+    throw Error("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+                " pixels cannot have " + std::to_string(depth.size()) + " depths");
+  return images("writing an .exr").encodeDepth(width, height, depth);
+}
+
 void writeImage(const std::string& path, const Image& image) {
   const std::string kind = extension(path);
   std::vector<std::byte> bytes;

@@ -28,6 +28,9 @@ void writeImage(const std::string& path, const Image& image);
 /// writeImage() does.
 std::vector<std::byte> encodeImage(const std::string& format, const Image& image);
 
+/// Returns the bytes of an .exr file with one channel, Z, in float: depths, rows bottom to top. Throws Error as writeImage() does.
+std::vector<std::byte> encodeDepth(int width, int height, std::span<const double> depth);
+
 /// Converts premultiplied float RGBA to 8 bits, not premultiplied, as in a .png file. Rows stay in their order.
 std::vector<uint8_t> eightBits(std::span<const float> rgba);
 

@@ -17,15 +17,12 @@ namespace gxy {
 namespace {
 
 /// Encodes in memory, because OpenImageIO does not notice a full disk when it writes files itself.
-std::vector<std::byte> encoded(const char* format, const Image& image, OIIO::TypeDesc type,
-                               const void* rows) {
-  OIIO::ImageSpec spec(image.width, image.height, 4, type);
-  spec.attribute("oiio:UnassociatedAlpha", type == OIIO::TypeDesc::UINT8 ? 1 : 0);
+std::vector<std::byte> encoded(const char* format, const OIIO::ImageSpec& spec, const void* rows) {
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput memory(bytes);
   const auto out = OIIO::ImageOutput::create(format);
   if (!out) throw Error(OIIO::geterror());
-  if (!out->set_ioproxy(&memory) || !out->open("memory", spec) || !out->write_image(type, rows) ||
+  if (!out->set_ioproxy(&memory) || !out->open("memory", spec) || !out->write_image(spec.format, rows) ||
       !out->close())
     throw Error(out->geterror());
   const auto whole = std::as_bytes(std::span(bytes));
@@ -33,9 +30,19 @@ std::vector<std::byte> encoded(const char* format, const Image& image, OIIO::Typ
 }
 
 std::vector<std::byte> encode(const std::string& format, const Image& image) {
-  if (format == "exr")
-    return encoded("openexr", image, OIIO::TypeDesc::FLOAT, flipped(image.rgba, image.height).data());
-  return encoded("png", image, OIIO::TypeDesc::UINT8, flipped(eightBits(image.rgba), image.height).data());
+  const bool exr = format == "exr";
+  OIIO::ImageSpec spec(image.width, image.height, 4, exr ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:UnassociatedAlpha", exr ? 0 : 1);
+  if (exr) return encoded("openexr", spec, flipped(image.rgba, image.height).data());
+  return encoded("png", spec, flipped(eightBits(image.rgba), image.height).data());
+}
+
+std::vector<std::byte> encodeDepth(int width, int height, std::span<const double> depth) {
+  OIIO::ImageSpec spec(width, height, 1, OIIO::TypeDesc::FLOAT);
+  spec.channelnames = {"Z"};
+  spec.z_channel = 0;
+  const std::vector<float> values(depth.begin(), depth.end());
+  return encoded("openexr", spec, flipped(values, height).data());
 }
 
 Image read(const std::string& path) {
@@ -86,7 +93,7 @@ TextMask text(const std::string& text, int pixels) {
   return mask;
 }
 
-const ImagePlugin imageTable = {.encode = encode, .read = read, .text = text};
+const ImagePlugin imageTable = {.encode = encode, .encodeDepth = encodeDepth, .read = read, .text = text};
 
 }  // namespace
 }  // namespace gxy
