@@ -9,9 +9,6 @@
 #include "core/scene/dataset_type.h"
 
 namespace gxy {
-namespace {
-
-constexpr size_t kMostInputs = 256;
 
 OrderedJson jsonOf(const JsonValue& value) {
   if (const bool* b = value.boolean()) return *b;
@@ -33,6 +30,10 @@ OrderedJson jsonOf(const JsonValue& value) {
   }
   return nullptr;
 }
+
+namespace {
+
+constexpr size_t kMostInputs = 256;
 
 bool isCommon(const std::string& key) {
   const auto& keys = filterEntrySchema().keys;

@@ -16,6 +16,9 @@ namespace gxy {
 
 using OrderedJson = nlohmann::ordered_json;
 
+/// Returns a value as it was read; whole numbers as integers where these are exact.
+OrderedJson jsonOf(const JsonValue& value);
+
 /// The description of a key.
 struct KeyInfo {
   std::string name;

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "core/scene/state_file.h"
+#include "core/scene/sweep.h"
 #include "tests/scene/scene_test_support.h"
 
 namespace gxy {
@@ -23,6 +24,13 @@ TEST(Documentation, StateFileReferenceIsTheSchema) {
   std::ofstream(generated) << stateReference();
   EXPECT_NE(contentOf(kDocs / "state-file.md").find(stateReference()), std::string::npos)
       << "copy the tables of " << generated << " into docs/state-file.md";
+}
+
+TEST(Documentation, SweepReferenceIsTheSchema) {
+  const std::filesystem::path generated = std::filesystem::path(SCENE_TEST_OUTPUT_DIR) / "sweep-reference.md";
+  std::ofstream(generated) << sweepReference();
+  EXPECT_NE(contentOf(kDocs / "cinema.md").find(sweepReference()), std::string::npos)
+      << "copy the tables of " << generated << " into docs/cinema.md";
 }
 
 TEST(Documentation, ExamplesLoadWithoutWarnings) {
