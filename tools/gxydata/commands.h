@@ -54,6 +54,10 @@ void partitionGeometry(const Options& options, int parts, std::array<int, 3> lat
 /// (core/scene/first_look.h).
 void printScene(const Options& options);
 
+/// Checks the Cinema databases in these folders (core/scene/check_cinema.h), and prints what each has to standard output, and each
+/// problem to standard error. Throws Error if there was any problem.
+void checkCinemaDatabases(const std::vector<std::string>& folders);
+
 /// Print a description of a file's content to standard output.
 void infoVolume(const Options& options);
 void infoGeometry(const Options& options);

@@ -31,6 +31,7 @@ constexpr const char* kExamples = R"(Examples:
   gxydata info bunny.ply
   gxydata convert head.raw head.vti --dimensions 256,256,109 --type uint16 --spacing 1,1,1.5
   gxydata scene noise.vti halos.vtp > scene.json     as gxyrender shows them without a state file
+  gxydata check-cinema image.cdb                     whether viewers of Cinema databases will read it
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 /// Parses "64" or "64,32,16": one or three numbers from 1 to `most`.
@@ -178,6 +179,7 @@ void run(const CLI::App& app, const Options& options, int parts, std::array<int,
   if (command == "sphere-mesh") return makeSphereMesh(options);
   if (command == "helix") return makeHelix(options);
   if (command == "scene") return printScene(options);
+  if (command == "check-cinema") return checkCinemaDatabases(options.files);
   const bool volume = options.raw.dimensions || options.raw.type || isVolumeFile(options.in);
   if (command == "convert") return volume ? convertVolume(options) : convertGeometry(options);
   if (command == "info") return volume ? infoVolume(options) : infoGeometry(options);
@@ -215,6 +217,8 @@ int main(int argc, char** argv) {
       ->required();
   std::vector<std::string> isovalues;
   addLookOptions(*scene, isovalues, options.look, options.array);
+  CLI::App* cinema = app.add_subcommand("check-cinema", "check Cinema databases (specification D)");
+  cinema->add_option("FOLDER", options.files, "databases, NAME.cdb")->required();
   CLI::Option* number =
       partition->add_option("-n,--parts", parts, "number of pieces")->check(CLI::Range(1, 1000000));
   CLI::Option* lattice =

@@ -23,17 +23,17 @@
 #include "core/render/renderer.h"
 #include "core/scene/data_files.h"
 #include "core/scene/state_file.h"
+#include "tools/gxyrender/cinema_run.h"
 #include "tools/gxyrender/load.h"
 #include "tools/gxyrender/options.h"
 #include "tools/gxyrender/pictures.h"
 #include "tools/gxyrender/reference_run.h"
+#include "tools/gxyrender/run.h"
 #include "tools/gxyrender/statistics.h"
 
 using namespace gxy;
 
 namespace {
-
-constexpr uint64_t kRunKey = 1;  // of this run's collectives
 
 // The first error of each rank's pictures, and what writing them took; on rank 0 that of the frames, and how many are under way and done.
 struct Progress {
@@ -52,24 +52,6 @@ Bytes toBytes(const std::string& s) {
 std::string toString(const Bytes& b) {
   return std::string(reinterpret_cast<const char*>(b.data()), b.size());
 }
-
-// What is rendered: the state of each step, alike but for the files.
-struct Steps {
-  State state;
-  std::vector<TimeStep> series;  ///< whose files are those of the datasets; none: those of the state, once
-  std::string directory;         ///< that names of files are relative to
-
-  size_t count() const { return series.empty() ? 1 : series.size(); }
-  std::optional<double> time(size_t step) const {
-    return series.empty() ? std::optional<double>() : series[step].time;
-  }
-  State at(size_t step) const {
-    State out = state;
-    for (size_t i = 0; step < series.size() && i < series[step].files.size(); i++)
-      out.datasets[i].filename = series[step].files[i];
-    return out;
-  }
-};
 
 // Gives datasets the files that the command line says.
 void giveFiles(State& state, const std::map<std::string, std::string>& files) {
@@ -120,20 +102,9 @@ nlohmann::json readAlone(const RenderOptions& options) {
 
 // Read by rank 0, with its map and camera files; the same on all ranks.
 Steps readOnAll(const RenderOptions& options, Collective& collective, bool root) {
-  std::string text;
-  std::optional<std::string> error;
-  if (root) {
-    try {
-      text = readAlone(options).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    } catch (const std::exception& e) {
-      error = textOf(e);
-    }
-  }
-  // the error is the root's alone: told once, without a rank
-  const Bytes said = collective.broadcast(kRunKey, 0, toBytes(error ? "!" + *error : " " + text));
-  const std::string heard = toString(said);
-  if (heard.at(0) == '!') throw Error(heard.substr(1));
-  const auto read = nlohmann::json::parse(heard.substr(1));
+  const auto read = nlohmann::json::parse(textOfRoot(collective, root, [&] {
+    return readAlone(options).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }));
   Steps steps{
       readState(read.at("state").get<std::string>(), options.files.at(0), ".", &standardFilters()).state,
       {},
@@ -250,17 +221,6 @@ struct FilterPlace {
   FilterServices services;
 };
 
-// Where a run takes place; the same for all its steps.
-struct Place {
-  MpiTransport& transport;
-  Collective& collective;
-  Collectives& ranks;
-  Ledger& ledger;
-  Backend& backend;
-  const FilterServices& services;
-  bool root, showProgress;
-};
-
 // Renders all pictures of one step. Returns what its visualizations have shown.
 std::vector<ShownSoFar> renderStep(const State& state, const std::string& directory,
                                    const RenderOptions& options, const Place& at,
@@ -342,6 +302,12 @@ int run(const RenderOptions& options) {
       if (!options.reference) agree(ranks, [&] { backend = registry.make(options.backend, &ledger); });
       std::optional<FilterPlace> filterPlace;
       if (backend) filterPlace.emplace(transport, registry, *backend, ledger);
+      if (!options.sweepFile.empty()) {
+        runCinema(
+            steps, options,
+            {transport, collective, ranks, ledger, *backend, filterPlace->services, root, showProgress});
+        return 0;
+      }
       std::vector<ShownSoFar> shown;
       RenderOptions numbered = options;
       for (size_t step = 0; step < steps.count(); step++) {

@@ -54,6 +54,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
       "  gxyrender density.vti                      volume rendering, of values as their content suggests\n"
       "  gxyrender density.vti halos.vtp --iso 0.3  a surface in it, and points\n"
       "  gxyrender 'step_*.vti'                     a picture for each file (also step_%04d.vti)\n"
+      "  gxyrender scene.json --cinema sweep.json   a Cinema database: image.cdb, with a page to browse it\n"
       "Pictures are PREFIX_00000.png, ...: all visualizations of the first camera, then of the next.");
   std::string size, partitions;
   app.add_option("FILE", o.files,
@@ -68,7 +69,13 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
                  "NAME=FILE: the file of a dataset of the state file, in place of what it says")
       ->type_size(1)
       ->allow_extra_args(false);
-  app.add_option("-o,--output", o.prefix, "Prefix of the pictures' names")->capture_default_str();
+  app.add_option("-o,--output", o.prefix, "Prefix of the pictures' names; with --cinema the database's name")
+      ->capture_default_str();
+  CLI::Option* cinema =
+      app.add_option("--cinema", o.sweepFile,
+                     "Make a Cinema database, PREFIX.cdb, of the pictures of this sweep (docs/cinema.md)");
+  app.add_flag("--resume", o.resume, "Of a Cinema database: keep what it has, and render what it lacks")
+      ->needs(cinema);
   app.add_option("--size", size, "Picture size WxH, instead of the cameras'");
   app.add_option("--backend", o.backend, kBackendHelp)->capture_default_str();
   app.add_option("--device", o.device, kDeviceHelp);
@@ -130,6 +137,11 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
          {"--backend", "--device", "--partitions", "--stats", "--concurrent", "--packet", "--rays-in-flight"})
       if (app.count(other) > 0)
         return usage(std::string(other) + " does not go with --reference, which renders by itself");
+  if (!o.sweepFile.empty() && (o.reference || !o.statsFile.empty() || o.format == "raw"))
+    return usage(std::string(o.reference         ? "--reference"
+                             : o.format == "raw" ? "--format raw"
+                                                 : "--stats") +
+                 " does not go with --cinema");
   o.looks = !isovalues.empty() || o.look.slice || !o.array.empty();
   for (const std::string& text : datasets) {
     const size_t equals = text.find('=');

@@ -19,6 +19,8 @@ struct RenderOptions {
   bool looks = false;                           ///< one of the two options above was given
   std::map<std::string, std::string> datasets;  ///< files of datasets of the state file, by name
   std::string prefix = "image";
+  std::string sweepFile;       ///< of a Cinema database; empty: there is none to be made
+  bool resume = false;         ///< keep the pictures that the database has
   size_t firstPicture = 0;     ///< number of the current time step's first picture
   std::optional<double> time;  ///< time of that step, if it is known
   std::optional<std::array<int, 2>> size;
