@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <set>
 
 #include "core/comm/error.h"
@@ -68,11 +69,61 @@ void readSteer(const json& document, Trigger& trigger) {
   }
 }
 
+constexpr struct {
+  const char* word;
+  Trigger::Does does;
+} kDeeds[] = {{"batch", Trigger::Does::Batch},
+              {"cinema", Trigger::Does::Cinema},
+              {"event", Trigger::Does::Event},
+              {"steer", Trigger::Does::Steer}};
+
+const char* wordOf(Trigger::Does does) {
+  for (const auto& deed : kDeeds)
+    if (deed.does == does) return deed.word;
+  return "";
+}
+
+bool hasStep(const json& text) {
+  return text.is_string() && text.get<std::string>().find("{step}") != std::string::npos;
+}
+
+bool hasTimeAxis(const json& sweep) {
+  const json axes = sweep.is_object() ? sweep.value("axes", json()) : json();
+  return axes.is_array() && std::any_of(axes.begin(), axes.end(), [](const json& axis) {
+           return axis.is_object() && axis.value("axis", json()) == "time";
+         });
+}
+
+/// Reads what a trigger renders.
+void readDocument(const json& document, Trigger& trigger) {
+  for (const Trigger::Does does : {Trigger::Does::Batch, Trigger::Does::Cinema}) {
+    const char* word = wordOf(does);
+    const json given = document.value(word, json());
+    if ((trigger.does == does) != given.is_object())
+      fail(word, "with \"do\": \"" + std::string(word) + "\", and only then, an object as `viewer." + word +
+                     "` takes it");
+    if (trigger.does == does) trigger.document = given;
+  }
+  json& what = trigger.document;
+  if (trigger.does == Trigger::Does::Batch) {
+    what["prefix"] = what.value("prefix", json("picture-{step}"));
+    if (!hasStep(what["prefix"]))
+      fail("prefix", "a text with {step} in it, so that no picture replaces another");
+    if (what.value("to", json("files")) != "files")
+      fail("to", "\"files\", as there is no client that pictures could be sent to");
+  }
+  if (trigger.does == Trigger::Does::Cinema) {
+    if (!what.value("to", json()).is_string()) fail("to", "a text, the name of a database");
+    if (!hasStep(what["to"]) && !hasTimeAxis(what.value("sweep", json())))
+      fail("sweep", "an axis \"time\", or else `to` with {step} in it, so that no step replaces another");
+  }
+}
+
 }  // namespace
 
 Trigger readTrigger(const json& document) {
   if (!document.is_object()) throw Error("trigger: expected an object with `name`, `when` and `do`");
-  expectKeys(document, {"name", "when", "do", "batch", "steer", "exact"}, "trigger");
+  expectKeys(document, {"name", "when", "do", "batch", "cinema", "steer", "exact"}, "trigger");
   Trigger trigger;
   const auto name = document.find("name");
   if (name == document.end() || !name->is_string()) fail("name", "a text");
@@ -80,21 +131,12 @@ Trigger readTrigger(const json& document) {
   insitu::checkName(trigger.name, "trigger");
   readWhen(document.value("when", json()), trigger);
   const json what = document.value("do", json());
-  if (what != "batch" && what != "event" && what != "steer") fail("do", "\"batch\", \"event\" or \"steer\"");
-  trigger.does = what == "batch"   ? Trigger::Does::Batch
-                 : what == "event" ? Trigger::Does::Event
-                                   : Trigger::Does::Steer;
+  const auto* deed =
+      std::find_if(std::begin(kDeeds), std::end(kDeeds), [&](const auto& d) { return what == d.word; });
+  if (deed == std::end(kDeeds)) fail("do", "\"batch\", \"cinema\", \"event\" or \"steer\"");
+  trigger.does = deed->does;
   readSteer(document, trigger);
-  trigger.batch = document.value("batch", json());
-  if ((trigger.does == Trigger::Does::Batch) != trigger.batch.is_object())
-    fail("batch", "with \"do\": \"batch\", and only then, an object as `viewer.batch` takes it");
-  const json prefix =
-      trigger.batch.is_object() ? trigger.batch.value("prefix", json("picture-{step}")) : json("{step}");
-  if (!prefix.is_string() || prefix.get<std::string>().find("{step}") == std::string::npos)
-    fail("prefix", "a text with {step} in it, so that no picture replaces another");
-  if (trigger.batch.is_object() && trigger.batch.value("to", json("files")) != "files")
-    fail("to", "\"files\", as there is no client that pictures could be sent to");
-  if (trigger.batch.is_object()) trigger.batch["prefix"] = prefix;
+  readDocument(document, trigger);
   const json exact = document.value("exact", json(false));
   if (!exact.is_boolean()) fail("exact", "true or false");
   trigger.exact = exact.get<bool>();
@@ -108,11 +150,9 @@ json written(const Trigger& trigger) {
     for (const auto& [key, kind] : kKinds)
       if (kind == t.kind) when[key][t.field] = t.value;
   json document{{"name", trigger.name}, {"when", when}, {"exact", trigger.exact}};
-  document["do"] = trigger.does == Trigger::Does::Batch   ? "batch"
-                   : trigger.does == Trigger::Does::Event ? "event"
-                                                          : "steer";
+  document["do"] = wordOf(trigger.does);
   if (trigger.does == Trigger::Does::Steer) document["steer"] = trigger.steer;
-  if (trigger.does == Trigger::Does::Batch) document["batch"] = trigger.batch;
+  if (trigger.document.is_object()) document[wordOf(trigger.does)] = trigger.document;
   return document;
 }
 
@@ -141,15 +181,23 @@ std::optional<int64_t> TriggerCondition::next() const {
   return later(*last_, every_);
 }
 
-std::string prefixOf(const std::string& pattern, int64_t step) {
+std::string nameAtStep(const std::string& pattern, int64_t step) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%08lld", static_cast<long long>(step));
-  std::string prefix = pattern;
+  std::string name = pattern;
   constexpr std::string_view kStep = "{step}";
-  for (size_t at = 0; (at = prefix.find(kStep, at)) != std::string::npos;
+  for (size_t at = 0; (at = name.find(kStep, at)) != std::string::npos;
        at += std::char_traits<char>::length(digits))
-    prefix.replace(at, kStep.size(), digits);
-  return prefix;
+    name.replace(at, kStep.size(), digits);
+  return name;
+}
+
+std::string statementOf(const Trigger& trigger, int64_t step) {
+  if (!trigger.document.is_object()) return {};
+  json document = trigger.document;
+  json& name = document[trigger.does == Trigger::Does::Batch ? "prefix" : "to"];
+  name = nameAtStep(name.get<std::string>(), step);
+  return std::string("viewer.") + wordOf(trigger.does) + " " + protocol::dump(document);
 }
 
 }  // namespace gxy

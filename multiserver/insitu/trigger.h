@@ -28,13 +28,14 @@ struct Trigger {
     std::string field;  ///< the dataset is STREAM.field
     double value = 0;
   };
-  enum class Does { Batch, Event, Steer };
+  enum class Does { Batch, Cinema, Event, Steer };
 
   std::string name;
   int64_t every = 0;  ///< 0: not asked for
   std::vector<Threshold> thresholds;
   Does does = Does::Event;
-  nlohmann::json batch;                 ///< the document of `viewer.batch`; its prefix may contain {step}
+  /// The document of `viewer.batch`, whose prefix contains {step}, or of `viewer.cinema`, whose `to` may.
+  nlohmann::json document;
   std::map<std::string, double> steer;  ///< the values that parameters get
   bool exact = false;                   ///< the next step waits until this is done
 };
@@ -65,7 +66,10 @@ class TriggerCondition {
   bool held_ = false;            ///< the thresholds, at the step before
 };
 
-/// Returns a prefix of file names with {step} replaced by the step, of at least 8 digits.
-std::string prefixOf(const std::string& pattern, int64_t step);
+/// Returns a name of files with {step} replaced by the step, of at least 8 digits.
+std::string nameAtStep(const std::string& pattern, int64_t step);
+
+/// Returns the statement that a trigger has the server run for a step, or an empty text if it is for none.
+std::string statementOf(const Trigger& trigger, int64_t step);
 
 }  // namespace gxy

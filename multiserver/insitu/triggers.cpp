@@ -10,7 +10,6 @@
 
 #include "core/comm/error.h"
 #include "core/scene/json_text.h"
-#include "multiserver/protocol/json.h"
 
 namespace gxy {
 
@@ -40,7 +39,7 @@ void Triggers::end() {
 }
 
 void Triggers::add(Trigger trigger) {
-  if (trigger.does == Trigger::Does::Batch) {
+  if (trigger.document.is_object()) {
     {
       const std::lock_guard lock(mutex_);
       if (over_) throw Error("trigger: the stream has ended");
@@ -67,7 +66,7 @@ json Triggers::list() const {
   json list = json::array();
   for (const ArmedPtr& t : triggers_) {
     json one = written(t->trigger);
-    one.erase("batch");  // It may be long.
+    for (const char* document : {"batch", "cinema"}) one.erase(document);  // They may be long.
     one["fired"] = t->fired;
     one["done"] = t->done;
     if (!t->problem.empty()) one["problem"] = t->problem;
@@ -142,7 +141,7 @@ void Triggers::fire(const ArmedPtr& armed, int64_t step, double time, const Valu
   {
     const std::lock_guard lock(mutex_);
     armed->fired++;
-    if (trigger.does != Trigger::Does::Batch) {
+    if (!trigger.document.is_object()) {
       armed->done += problem.empty();
       armed->problem = problem;
     } else if (armed->running)
@@ -154,9 +153,7 @@ void Triggers::fire(const ArmedPtr& armed, int64_t step, double time, const Valu
 }
 
 void Triggers::begin(const ArmedPtr& armed, int64_t step) {
-  json batch = armed->trigger.batch;
-  batch["prefix"] = prefixOf(batch.at("prefix").get<std::string>(), step);
-  session_->run("viewer.batch " + protocol::dump(batch),
+  session_->run(statementOf(armed->trigger, step),
                 [this, armed, step](const std::string& error) { ended(armed, step, error); });
 }
 

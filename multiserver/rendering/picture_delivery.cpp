@@ -88,11 +88,12 @@ class PictureDelivery::Operation final : public PictureOperation {
     wanted_.quality = in.read<int32_t>();
     wanted_.format = in.readString();
     wanted_.path = in.readString();
+    wanted_.depthPath = in.readString();
     wanted_.overlay = readOverlay(in);
   }
   void write(Writer& w) const override {
     w.write(ticket_).write(wanted_.as).write(wanted_.encoding).write(int32_t(wanted_.quality));
-    w.write(wanted_.format).write(wanted_.path);
+    w.write(wanted_.format).write(wanted_.path).write(wanted_.depthPath);
     writeOverlay(w, wanted_.overlay);
   }
   void run(Picture picture) const override { pictures_.deliver(ticket_, wanted_, std::move(picture)); }
@@ -127,7 +128,7 @@ FrameId PictureDelivery::start(FrameRequest request, const PictureFormat& wanted
   }
   request.operation = std::make_shared<const Operation>(*this, ticket, wanted);
   request.sums = wanted.as == PictureFormat::As::Sums;
-  request.depth = wanted.as == PictureFormat::As::Depth;
+  request.depth = wanted.as == PictureFormat::As::Depth || !wanted.depthPath.empty();
   try {
     return serverRank_.renderer.render(
         request, [this, ticket](FrameId, const Renderer::Ending& ending) { onFinished(ticket, ending); });
@@ -171,6 +172,8 @@ uint64_t PictureDelivery::sendPieces(uint64_t ticket, const PictureFormat& wante
     send(Piece::Depth, std::as_bytes(std::span(picture.depth)));
     return 1;
   }
+  if (!wanted.depthPath.empty())
+    serverRank_.folders.write(wanted.depthPath, encodeDepth(picture.width, picture.height, picture.depth));
   Image image{picture.width, picture.height, std::move(picture.rgba)};
   draw(wanted.overlay, image);
   const Bytes content = encodeImage(wanted.format, image);

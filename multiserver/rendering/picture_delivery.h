@@ -22,6 +22,7 @@ struct PictureFormat {
   int quality = 75;
   std::string format = "png";  ///< Bytes and File: the format that encodeImage() takes
   std::string path;            ///< File: a path that DataFolders has checked
+  std::string depthPath;       ///< File: where the depths go, as encodeDepth() makes them; empty: nowhere
   Overlay overlay;             ///< Bytes and File: drawn over the picture
 };
 

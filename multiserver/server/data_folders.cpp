@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/random.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +17,18 @@
 namespace gxy {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// A file descriptor that is closed at the end of its scope.
+struct Descriptor {
+  int number;
+  ~Descriptor() {
+    if (number >= 0) ::close(number);
+  }
+};
+
+}  // namespace
 
 DataFolders::DataFolders(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders.empty() ? std::vector<std::string>{"."} : folders) {
@@ -88,16 +101,32 @@ std::string DataFolders::toWrite(const std::string& name) const {
   return file.string();
 }
 
+std::string DataFolders::makeFolder(const std::string& name) const {
+  const fs::path path = folders_.front() / fs::path(name);
+  std::error_code failed;
+  const fs::path parent = fs::canonical(path.parent_path(), failed);
+  const fs::path leaf = path.filename();
+  if (name.empty() || name.find('\0') != std::string::npos || failed || leaf.empty() || leaf == "." ||
+      leaf == "..")
+    refuse(name, "it cannot be made");
+  const Descriptor in{::open(parent.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)};
+  if (in.number < 0 || !holds(fs::read_symlink("/proc/self/fd/" + std::to_string(in.number), failed)) ||
+      failed)
+    refuse(name, "it cannot be made");
+  if (::mkdirat(in.number, leaf.c_str(), 0777) != 0) {
+    const int reason = errno;
+    struct stat found {};
+    if (reason != EEXIST)
+      throw Error(inQuotes(name) + ": no folder can be made there: " + std::strerror(reason));
+    if (::fstatat(in.number, leaf.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISDIR(found.st_mode))
+      refuse(name, "it is there and not a folder");
+  }
+  return (parent / leaf).string();
+}
+
 void DataFolders::write(const std::string& path, std::span<const std::byte> bytes) const {
   const fs::path place(path);
   const auto fail = [&](int reason) { throw Error(path + ": cannot be written: " + std::strerror(reason)); };
-  /// A file descriptor that is closed at the end of its scope.
-  struct Descriptor {
-    int number;
-    ~Descriptor() {
-      if (number >= 0) ::close(number);
-    }
-  };
   const Descriptor folder{::open(place.parent_path().c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)};
   if (folder.number < 0) fail(errno);
   std::error_code failed;

@@ -37,6 +37,9 @@ class DataFolders {
 
   /// Returns the path of a file to write. A relative name is in the first folder. The file's folder must exist.
   std::string toWrite(const std::string& name) const;
+  /// Makes a folder, unless it is there, and returns its path. A relative name is in the first folder. The folder that it lies in must
+  /// exist. Throws Error if it cannot be made, or is there and a link or no folder.
+  std::string makeFolder(const std::string& name) const;
   /// Writes a file at a path from toWrite(), completely or not at all. It checks the place again after
   /// opening it and follows no symbolic link, so that links that are put there meanwhile have no effect.
   /// Throws Error if it cannot write.

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "core/comm/error.h"
+#include "core/scene/check_cinema.h"
 #include "tests/insitu/published.h"
 
 namespace gxy::test {
@@ -41,7 +42,7 @@ TEST(Trigger, DocumentsAreReadAsWritten) {
   EXPECT_EQ(written(readTrigger(steers)), steers);
   json shorter = document;
   shorter["batch"].erase("prefix");
-  EXPECT_EQ(readTrigger(shorter).batch.at("prefix"), "picture-{step}");
+  EXPECT_EQ(readTrigger(shorter).document.at("prefix"), "picture-{step}");
 }
 
 TEST(Trigger, WrongDocumentsSayWhatWasExpected) {
@@ -59,7 +60,7 @@ TEST(Trigger, WrongDocumentsSayWhatWasExpected) {
   expect("when", {{"every", 0}}, "an integer from 1 up");
   expect("when", {{"above", 5}}, "a number for each field");
   expect("when", {{"above", {{"t", "hot"}}}}, "a number for field");
-  expect("do", "export", "\"batch\", \"event\" or \"steer\"");
+  expect("do", "export", "\"batch\", \"cinema\", \"event\" or \"steer\"");
   expect("do", "steer", "`steer`: expected");
   expect("steer", {{"dt", 1}}, "`steer`: expected");
   expect("do", "batch", "`batch`: expected");
@@ -71,6 +72,26 @@ TEST(Trigger, WrongDocumentsSayWhatWasExpected) {
   EXPECT_NE(errorOf(batch).find("{step}"), std::string::npos);
   batch["batch"] = {{"to", "client"}};
   EXPECT_NE(errorOf(batch).find("there is no client"), std::string::npos);
+}
+
+TEST(Trigger, DatabasesGrowByTimeOrAreOnesOfTheirStep) {
+  json document = every(5);
+  document["do"] = "cinema";
+  EXPECT_NE(errorOf(document).find("`cinema`: expected"), std::string::npos) << errorOf(document);
+  document["cinema"] = {{"state", json::object()}, {"sweep", {{"axes", {{{"axis", "time"}}}}}}};
+  EXPECT_NE(errorOf(document).find("`to`: expected a text"), std::string::npos) << errorOf(document);
+  document["cinema"]["to"] = "a.cdb";
+  EXPECT_EQ(errorOf(document), "");
+  document["exact"] = false;
+  EXPECT_EQ(written(readTrigger(document)), document);
+  EXPECT_EQ(statementOf(readTrigger(document), 7), "viewer.cinema " + document["cinema"].dump());
+  document["cinema"]["sweep"]["axes"][0]["axis"] = "phi";
+  EXPECT_NE(errorOf(document).find("`sweep`: expected an axis \"time\""), std::string::npos)
+      << errorOf(document);
+  document["cinema"]["to"] = "a-{step}.cdb";
+  EXPECT_NE(statementOf(readTrigger(document), 7).find("a-00000007.cdb"), std::string::npos);
+  document["batch"] = json::object();
+  EXPECT_NE(errorOf(document).find("`batch`: expected"), std::string::npos) << errorOf(document);
 }
 
 /// The steps of 1 to `last`, every `stride`, that a condition holds for.
@@ -120,8 +141,8 @@ TEST(Trigger, SaysWhichStepMayBeTheNext) {
 }
 
 TEST(Trigger, PrefixesHaveTheStep) {
-  EXPECT_EQ(prefixOf("a-{step}", 42), "a-00000042");
-  EXPECT_EQ(prefixOf("{step}/{step}", 123456789), "123456789/123456789");
+  EXPECT_EQ(nameAtStep("a-{step}", 42), "a-00000042");
+  EXPECT_EQ(nameAtStep("{step}/{step}", 123456789), "123456789/123456789");
 }
 
 /// A heat stream of two ranks, whose values at step s are those of MiniSimulation.
@@ -202,6 +223,38 @@ TEST(Triggers, WritePicturesEverySoManyStepsWithoutAnyClient) {
   EXPECT_EQ(picturesIn(*server),
             (std::vector<std::string>{"heat-00000001_00000.png", "heat-00000008_00000.png",
                                       "heat-00000015_00000.png", "heat-00000022_00000.png"}));
+}
+
+TEST(Triggers, MakeADatabaseThatIsValidAfterEachStep) {
+  const auto server = serve();
+  const std::filesystem::path folder = server->folder().path();
+  json cinema{{"state", batchOf()["state"]},
+              {"sweep", {{"axes", {{{"axis", "time"}}, {{"axis", "phi"}, {"values", {0, 90}}}}}}},
+              {"to", "heat"}};
+  const json trigger{
+      {"name", "cinema"}, {"when", {{"every", 2}}}, {"do", "cinema"}, {"cinema", cinema}, {"exact", true}};
+  {
+    Heat heat(*server, {{"triggers", json::array({trigger})}, {"policy", "wait"}, {"time-out", nullptr}});
+    size_t rows = 0;
+    for (int i = 0; i < 5; i++) {
+      EXPECT_EQ(heat.simulation.publishTogether(), 2) << gxy_message(heat.simulation.rank(0));
+      if (!std::filesystem::exists(folder / "heat.cdb/data.csv")) continue;
+      const CinemaCheck check = checkCinema(folder / "heat.cdb");
+      EXPECT_TRUE(check.problems.empty()) << check.problems.front();
+      EXPECT_GE(check.rows, rows);
+      EXPECT_EQ(check.rows % 2, 0u) << "whole steps";
+      rows = check.rows;
+    }
+    until([&] { return heat.simulation.published() == 5; }, "the last step");
+  }
+  until([&] { return server->serverRank().streaming.list().empty(); }, "the end of the stream");
+  EXPECT_TRUE(checkCinema(folder / "heat.cdb").problems.empty());
+  std::ifstream in(folder / "heat.cdb/data.csv", std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  EXPECT_EQ(text,
+            "time,phi,FILE\r\n0.5,0.0,time=0.5/0.0.png\r\n0.5,90.0,time=0.5/90.0.png\r\n"
+            "1.5,0.0,time=1.5/0.0.png\r\n1.5,90.0,time=1.5/90.0.png\r\n"
+            "2.5,0.0,time=2.5/0.0.png\r\n2.5,90.0,time=2.5/90.0.png\r\n");
 }
 
 TEST(Triggers, LeaveTheStepsBetweenUntakenUnlessSomebodyWantsThem) {

@@ -252,5 +252,20 @@ TEST(DataFolders, KeepNothingOfAFileThatCannotTakeItsName) {
   EXPECT_EQ(names, (std::vector<std::string>{"b.raw", "new.png"}));
 }
 
+TEST(DataFolders, MakeFoldersInside) {
+  Place place;
+  const DataFolders folders({place.folder / "data", place.folder / "data-more"});
+  const std::string made = folders.makeFolder("sub/a.cdb");
+  EXPECT_EQ(made, fs::canonical(place.folder / "data/sub/a.cdb"));
+  EXPECT_EQ(folders.makeFolder(made), made) << "it is there";
+  EXPECT_EQ(folders.makeFolder(made + "/b"), made + "/b");
+  for (const std::string& name :
+       {std::string("../out"), std::string("up/out"), std::string(""), std::string("."), std::string(".."),
+        std::string("sub/.."), std::string("nowhere/out"), std::string("a.raw"), std::string("link.raw"),
+        std::string("up"), place.folder / "out", std::string("a\0b", 3)})
+    EXPECT_THROW(folders.makeFolder(name), Error) << name;
+  EXPECT_FALSE(fs::exists(place.folder / "out"));
+}
+
 }  // namespace
 }  // namespace gxy

@@ -23,7 +23,8 @@ namespace {
 /// What frames of a batch have in common; they hold it.
 struct Job {
   std::mutex mutex;
-  std::vector<ScenePtr> scenes;  ///< by visualization; null where the next picture is to show newer data
+  std::vector<ScenePtr>
+      scenes;  ///< null where one is not made yet, or where the next picture is to show newer data
   std::condition_variable changed;
   struct Flight {
     std::weak_ptr<const SceneHandle> scene;
@@ -41,8 +42,16 @@ struct Job {
   std::string error;
 };
 
+constexpr size_t kMostPictures = 10000;
+
+void checkCount(size_t pictures) {
+  if (pictures > kMostPictures)
+    throw Error("batch: " + std::to_string(pictures) + " pictures, expected at most " +
+                std::to_string(kMostPictures));
+}
+
 std::string nameOf(const BatchRender& batch, size_t index) {
-  return pictureName(batch.prefix, batch.state, index) + "." + batch.format;
+  return batch.pictures[index].name + "." + batch.format;
 }
 
 Bytes fileRecord(const json& header, std::span<const std::byte> content) {
@@ -61,36 +70,36 @@ class Run {
       : services_(services),
         request_(request),
         batch_(batch),
-        total_(batch.state.cameras.size() * batch.state.visualizations.size()),
+        total_(batch.pictures.size()),
         stream_(services.rendering->nextStream()) {
     asker_.check = [this] { check(); };
   }
 
   json run() {
     const auto begin = std::chrono::steady_clock::now();
-    constexpr size_t kPictures = 10000;
-    if (total_ > kPictures)
-      throw Error("batch: " + std::to_string(total_) + " pictures, expected at most " +
-                  std::to_string(kPictures));
-    for (const Camera& camera : batch_.state.cameras) {
+    checkCount(total_);
+    for (const BatchPicture& picture : batch_.pictures) {
+      const Camera& camera = picture.camera;
       validate(camera);
       const auto pixels = uint64_t(camera.dimensions.x) * uint64_t(camera.dimensions.y);
       if (pixels > request_.session().limits().pixels)
         throw Error("batch: a picture of " + std::to_string(pixels) + " pixels, expected at most " +
                     std::to_string(request_.session().limits().pixels));
-      checkCost(batch_.state.settings, camera.dimensions);
+      checkCost(batch_.scenes[picture.scene].settings, camera.dimensions);
     }
-    for (const Visualization& v : batch_.state.visualizations) checkCost(v);
+    for (const BatchScene& scene : batch_.scenes) checkCost(scene.visualization);
     json names = json::array();
     for (size_t i = 0; i < total_; i++) {
       names.push_back(nameOf(batch_, i));
-      if (!batch_.toClient) paths_.push_back(services_.serverRank.folders.toWrite(nameOf(batch_, i)));
+      if (!batch_.toClient && !batch_.filesOf)
+        paths_.push_back(services_.serverRank.folders.toWrite(nameOf(batch_, i)));
     }
-    for (size_t i = 0; i < shown_.size(); i++)
-      job_->scenes.push_back(services_.scenes
-                                 .get(request_.session().tenant(), batch_.state.visualizations[i],
-                                      batch_.state.settings, asker_, shown_[i])
-                                 .scene);
+    job_->scenes.resize(batch_.scenes.size());
+    for (size_t i = 0; i < shown_.size() && !batch_.sceneByScene; i++)
+      job_->scenes[i] = services_.scenes
+                            .get(request_.session().tenant(), batch_.scenes[i].visualization,
+                                 batch_.scenes[i].settings, asker_, shown_[i])
+                            .scene;
     const auto wanted = services_.serverRank.observers.subscribe({}, [this](const ObjectEvent& event) {
       if (event.kind == ObjectEvent::Kind::Wanted) letGo(event.key, event.generation);
     });
@@ -172,15 +181,13 @@ class Run {
     if (done < total_) request_.progress(int64_t(done), int64_t(total_), "rendered");
   }
 
-  const Visualization& visualizationOf(size_t index) const {
-    return batch_.state.visualizations[index % shown_.size()];
-  }
-  ShownSoFar& shownOf(size_t index) { return shown_[index % shown_.size()]; }
+  const BatchScene& sceneAt(size_t index) const { return batch_.scenes[batch_.pictures[index].scene]; }
+  ShownSoFar& shownOf(size_t index) { return shown_[batch_.pictures[index].scene]; }
 
   void start(size_t index) {
     ServerRank& serverRank = services_.serverRank;
     const std::string& tenant = request_.session().tenant();
-    const Camera& camera = batch_.state.cameras[index / shown_.size()];
+    const Camera& camera = batch_.pictures[index].camera;
     auto slot =
         serverRank.tenants.beginWhenFree(tenant, serverRank.costOf(tenant, camera.dimensions), [this] {
           check();
@@ -192,7 +199,7 @@ class Run {
     frame.camera = fitted(camera, shownOf(index).box);
     frame.priority = {serverRank.tenants.number(tenant), false, stream_};
     frame.account = tenant;
-    const PictureFormat format = formatOf(index, frame.camera, *pinned.scene);
+    const PictureFormat format = formatOf(index, frame.camera, pinned);
     {
       const std::lock_guard lock(job_->mutex);
       job_->inFlight[index].scene = pinned.scene;
@@ -209,32 +216,42 @@ class Run {
     if (const auto at = job_->inFlight.find(index); at != job_->inFlight.end()) at->second.id = id;
   }
 
-  // Returns the scene of a picture, with its data pinned. The scene is kept for the visualization's next picture.
+  // Returns the scene of a picture, with its data pinned. The scene is kept for the next picture that shows it.
   SceneCache::Pinned sceneOf(size_t index) {
     ScenePtr kept, before;  // destroyed without the lock
+    const size_t scene = batch_.pictures[index].scene;
     {
       const std::lock_guard lock(job_->mutex);
-      kept = job_->scenes[index % shown_.size()];
+      const size_t last = index == 0 ? scene : batch_.pictures[index - 1].scene;
+      if (batch_.sceneByScene && last != scene) before = std::move(job_->scenes[last]);
+      kept = job_->scenes[scene];
     }
-    SceneCache::Pinned pinned = services_.scenes.get(request_.session().tenant(), visualizationOf(index),
-                                                     batch_.state.settings, asker_, shownOf(index), kept);
+    SceneCache::Pinned pinned =
+        services_.scenes.get(request_.session().tenant(), sceneAt(index).visualization,
+                             sceneAt(index).settings, asker_, shownOf(index), kept);
     if (pinned.scene != kept) {
       const std::lock_guard lock(job_->mutex);
-      before = std::exchange(job_->scenes[index % shown_.size()], pinned.scene);
+      kept = std::exchange(job_->scenes[scene], pinned.scene);
     }
     return pinned;
   }
 
-  PictureFormat formatOf(size_t index, const Camera& camera, const SceneHandle& scene) {
+  PictureFormat formatOf(size_t index, const Camera& camera, const SceneCache::Pinned& pinned) {
     PictureFormat format;
     format.as = batch_.toClient ? PictureFormat::As::Bytes : PictureFormat::As::File;
     format.format = batch_.format;
-    if (!batch_.toClient) format.path = paths_[index];
-    if (batch_.state.annotations == Annotations()) return format;
+    if (!batch_.toClient) {
+      BatchRender::Files files =
+          batch_.filesOf ? batch_.filesOf(index, pinned.pins) : BatchRender::Files{paths_[index], {}};
+      format.path = std::move(files.picture);
+      format.depthPath = std::move(files.depth);
+    }
+    const BatchScene& scene = sceneAt(index);
+    if (scene.annotations == Annotations()) return format;
     Generation newest = 0;
-    for (const NamedDataset& d : scene.data) newest = std::max(newest, d.generation);
-    format.overlay = overlayOf(batch_.state.annotations, {visualizationOf(index), shownOf(index), camera,
-                                                          batch_.state.settings, size_t(newest)});
+    for (const NamedDataset& d : pinned.scene->data) newest = std::max(newest, d.generation);
+    format.overlay = overlayOf(scene.annotations,
+                               {scene.visualization, shownOf(index), camera, scene.settings, size_t(newest)});
     return format;
   }
 
@@ -248,7 +265,8 @@ class Run {
       job->contents[index] = {std::move(content), std::move(*slot)};
     };
     receiver.done = [&services = services_, tenant = request_.session().tenant(), job = job_, index, slot,
-                     held](bool, const std::string& error) {
+                     held, &made = batch_.made](bool superseded, const std::string& error) {
+      if (made && !superseded && error.empty()) made(index);  // the batch is there until nothing is in flight
       *slot = {};
       services.retries.onEnd(tenant);
       held->pins.clear();
@@ -279,12 +297,20 @@ class Run {
   const size_t total_;
   const uint64_t stream_;  ///< of its frames
   std::vector<std::string> paths_;
-  std::vector<ShownSoFar> shown_ =
-      std::vector<ShownSoFar>(batch_.state.visualizations.size());  ///< by visualization
+  std::vector<ShownSoFar> shown_ = std::vector<ShownSoFar>(batch_.scenes.size());  ///< by scene
   const std::shared_ptr<Job> job_ = std::make_shared<Job>();
 };
 
 }  // namespace
+
+void addPictures(BatchRender& batch, const State& state, const std::string& prefix) {
+  const size_t n = state.visualizations.size(), total = state.cameras.size() * n;
+  checkCount(total);
+  for (const Visualization& visualization : state.visualizations)
+    batch.scenes.push_back({visualization, state.settings, state.annotations});
+  for (size_t i = 0; i < total; i++)
+    batch.pictures.push_back({i % n, state.cameras[i / n], pictureName(prefix, state, i)});
+}
 
 json renderBatch(Services& services, Request& request, const BatchRender& batch) {
   return Run(services, request, batch).run();

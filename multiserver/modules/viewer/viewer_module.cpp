@@ -11,6 +11,9 @@
 #include "core/scene/json_text.h"
 #include "core/scene/state_file.h"
 #include "multiserver/modules/viewer/batch.h"
+#include "multiserver/modules/viewer/cinema.h"
+#include "multiserver/modules/viewer/documents.h"
+#include "multiserver/modules/viewer/members.h"
 #include "multiserver/modules/viewer/pick.h"
 #include "multiserver/modules/viewer/window.h"
 #include "multiserver/protocol/json.h"
@@ -109,63 +112,6 @@ uint32_t windowId(Arguments& arguments) {
   return uint32_t(*number);
 }
 
-/// Members of a request's JSON object, with messages; every one that is there must be asked for.
-class Members {
- public:
-  Members(DocumentReader& reader, const std::optional<std::string_view>& text, std::string what)
-      : object_(text ? reader.object(*text, what) : json::object()), what_(std::move(what)) {}
-
-  const json* find(const char* key) {
-    known_ += (known_.empty() ? "`" : ", `") + std::string(key) + "`";
-    const auto at = object_.find(key);
-    asked_ += at != object_.end();
-    return at == object_.end() ? nullptr : &*at;
-  }
-  int64_t integer(const char* key, int64_t fallback, int64_t least, int64_t most) {
-    const json* value = find(key);
-    return value ? integerIn(*value, key, least, most) : fallback;
-  }
-  int64_t integerIn(const json& value, const char* key, int64_t least, int64_t most) {
-    if (!value.is_number_integer() || value.get<int64_t>() < least || value.get<int64_t>() > most)
-      fail(key, "an integer from " + std::to_string(least) + " to " + std::to_string(most), value);
-    return value.get<int64_t>();
-  }
-  bool flag(const char* key, bool fallback) {
-    const json* value = find(key);
-    if (value && !value->is_boolean()) fail(key, "true or false", *value);
-    return value ? value->get<bool>() : fallback;
-  }
-  std::string oneOf(const char* key, const std::vector<std::string>& choices) {
-    const json* value = find(key);
-    if (!value) return choices.front();
-    std::string all;
-    for (const std::string& choice : choices) {
-      if (*value == choice) return choice;
-      all += (all.empty() ? "\"" : " or \"") + choice + "\"";
-    }
-    fail(key, all, *value);
-  }
-  std::string text(const char* key, const std::string& fallback) {
-    const json* value = find(key);
-    if (value && !value->is_string()) fail(key, "text", *value);
-    return value ? value->get<std::string>() : fallback;
-  }
-  void expectNoMore() const {
-    if (asked_ != object_.size())
-      throw Error(what_ + ": there are keys that mean nothing here, expected none but " + known_);
-  }
-  [[noreturn]] void fail(const char* key, const std::string& expected, const json& found) const {
-    throw Error(what_ + ": `" + key + "`: expected " + expected + ", found " +
-                inQuotes(protocol::dump(found).substr(0, 60)));
-  }
-
- private:
-  const json object_;
-  const std::string what_;
-  std::string known_;
-  size_t asked_ = 0;
-};
-
 json windowVerb(Services& services, Request& request, Arguments arguments) {
   Session& session = request.session();
   const uint32_t id = windowId(arguments);
@@ -187,15 +133,6 @@ json windowVerb(Services& services, Request& request, Arguments arguments) {
   return {{"window", id}, {"size", {settings.size.x, settings.size.y}}};
 }
 
-// Reads and makes what a document has and the tenant has not. Returns what of the files is not used.
-std::vector<std::string> importMissing(Request& request, const std::vector<DatasetSpec>& specs) {
-  Datasets::Import what;
-  what.specs = specs;
-  what.onlyMissing = true;
-  if (specs.empty()) return {};
-  return request.session().serverRank().filterRuns->importAndMake(request, what);
-}
-
 // Of data that no document can import, as those of filters, or whose document has no file for them.
 void warnOfMissing(Request& request, const Visualization& visualization, std::vector<std::string>& warnings) {
   const Datasets& datasets = *request.session().serverRank().datasets;
@@ -205,21 +142,6 @@ void warnOfMissing(Request& request, const Visualization& visualization, std::ve
       warnings.push_back("dataset " + inQuotes(vis.dataset) +
                          ": there is none that you see and the document has no file for it, expected one of "
                          "this name before a frame is rendered");
-}
-
-// For people, a line for each.
-std::string textOf(const std::vector<std::string>& warnings) {
-  std::string text;
-  for (const std::string& w : warnings) text += (text.empty() ? "warning: " : "\nwarning: ") + w;
-  return text;
-}
-
-// What is kept of a long document while its data are imported and rendered.
-LedgerEntry roomFor(const State& state, Session& session) {
-  constexpr int64_t kShort = 64 << 10;
-  const int64_t bytes = bytesOf(state);
-  return bytes > kShort ? session.serverRank().takeMemory(session.tenant(), "documents", bytes)
-                        : LedgerEntry();
 }
 
 json set(Request& request, Arguments arguments) {
@@ -380,22 +302,29 @@ json state(Request& request, Arguments arguments) {
   return {{"state", json::parse(writeState(state))}};
 }
 
-// Adds to `warnings` what of the document is not used.
-BatchRender readBatch(Request& request, std::string_view text, std::vector<std::string>& warnings) {
+/// A batch, and the state that it renders.
+struct BatchRequest {
+  State state;
+  std::string prefix;
+  BatchRender render;
+  std::vector<std::string> warnings;  ///< what of the document is not used
+};
+
+BatchRequest readBatch(Request& request, std::string_view text) {
   DocumentReader reader(request);
   Members members(reader, text, "batch");
-  BatchRender batch;
+  BatchRequest batch;
   const json* document = members.find("state");
   if (!document || !document->is_object())
     throw Error("batch: `state`: expected a state document; docs/protocol.md says what else there is");
-  batch.toClient = members.oneOf("to", {"files", "client"}) == "client";
+  batch.render.toClient = members.oneOf("to", {"files", "client"}) == "client";
   batch.prefix = members.text("prefix", "picture");
-  batch.format = members.oneOf("format", {"png", "exr", "raw"});
-  batch.concurrent = int(members.integer("concurrent", 4, 1, 64));
+  batch.render.format = members.oneOf("format", {"png", "exr", "raw"});
+  batch.render.concurrent = int(members.integer("concurrent", 4, 1, 64));
   members.expectNoMore();
   StateFile file = reader.state(protocol::dump(*document), "batch");
   batch.state = std::move(file.state);
-  warnings = std::move(file.warnings);
+  batch.warnings = std::move(file.warnings);
   if (batch.state.visualizations.empty())
     throw Error("batch: `state` has no visualization, expected one or more");
   if (batch.state.cameras.empty()) batch.state.cameras = {defaultCamera()};
@@ -403,13 +332,14 @@ BatchRender readBatch(Request& request, std::string_view text, std::vector<std::
 }
 
 json batch(Services& services, Request& request, Arguments arguments) {
-  std::vector<std::string> warnings;
-  const BatchRender batch = readBatch(request, arguments.expectJson(), warnings);
+  BatchRequest batch = readBatch(request, arguments.expectJson());
   const LedgerEntry room = roomFor(batch.state, request.session());
-  for (std::string& w : importMissing(request, batch.state.datasets)) warnings.push_back(std::move(w));
-  json result = renderBatch(services, request, batch);
-  result["warnings"] = warnings;
-  if (!warnings.empty()) result["text"] = result["text"].get<std::string>() + "\n" + textOf(warnings);
+  addPictures(batch.render, batch.state, batch.prefix);
+  for (std::string& w : importMissing(request, batch.state.datasets)) batch.warnings.push_back(std::move(w));
+  json result = renderBatch(services, request, batch.render);
+  result["warnings"] = batch.warnings;
+  if (!batch.warnings.empty())
+    result["text"] = result["text"].get<std::string>() + "\n" + textOf(batch.warnings);
   return result;
 }
 
@@ -476,15 +406,16 @@ json scene(Services& services, Request& request, Arguments arguments) {
 json show(Services& services, Request& request, Arguments arguments) {
   std::vector<std::string> names;
   glm::ivec2 size = Camera().dimensions;
+  State state = lookOf(services, request, arguments, "show", names, &size).state;
+  state.cameras[0].dimensions = size;
   BatchRender batch;
-  batch.state = lookOf(services, request, arguments, "show", names, &size).state;
-  batch.state.cameras[0].dimensions = size;
   batch.toClient = true;
-  batch.prefix = batch.state.visualizations[0].operators[0].dataset;
-  std::replace(batch.prefix.begin(), batch.prefix.end(), '/', '_');
-  const std::vector<std::string> warnings = importMissing(request, batch.state.datasets);
+  std::string prefix = state.visualizations[0].operators[0].dataset;
+  std::replace(prefix.begin(), prefix.end(), '/', '_');
+  addPictures(batch, state, prefix);
+  const std::vector<std::string> warnings = importMissing(request, state.datasets);
   json result = renderBatch(services, request, batch);
-  result["state"] = json::parse(writeState(batch.state));
+  result["state"] = json::parse(writeState(state));
   result["warnings"] = warnings;
   std::string command = "gxyviewer";
   for (const std::string& name : names) command += " " + name;
@@ -534,4 +465,6 @@ GALAXY_MODULE(registration) {
                          [&s](Request& r, Arguments a) { return show(s, r, std::move(a)); }));
   registration.verb(verb("batch", "JSON", "Renders every visualization with every camera of a state.",
                          Order::Aside, [&s](Request& r, Arguments a) { return batch(s, r, std::move(a)); }));
+  registration.verb(verb("cinema", "JSON", "Makes a Cinema database of a sweep, or adds to it.", Order::Aside,
+                         [&s](Request& r, Arguments a) { return cinema(s, r, a.expectJson()); }));
 }

@@ -27,7 +27,8 @@ struct Services {
   const std::shared_ptr<Rendering> rendering;
   SceneCache& scenes = rendering->scenes;
   PictureDelivery& pictures = rendering->pictures;
-  Retries retries;  ///< of windows; the last member, since its thread calls windows, which use the others
+  std::mutex tables;  ///< of Cinema databases are read and replaced by one at a time
+  Retries retries;    ///< of windows; the last member, since its thread calls windows, which use the others
 };
 
 /// The options of `render` (docs/protocol.md).

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "multiserver/modules/viewer/cinema.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <numeric>
+#include <span>
+
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/scene/cinema_page.h"
+#include "core/scene/cinema_table.h"
+#include "core/scene/swept_pictures.h"
+#include "multiserver/modules/viewer/batch.h"
+#include "multiserver/modules/viewer/documents.h"
+#include "multiserver/modules/viewer/members.h"
+
+namespace gxy::viewer {
+
+namespace {
+
+struct CinemaRequest {
+  State state;
+  Sweep sweep;
+  std::string database;  ///< NAME.cdb
+  std::string format;
+  int concurrent = 4;
+  bool depth = false, estimate = false;
+  std::vector<std::string> warnings;
+};
+
+const json& documentIn(Members& members, const char* key, const char* what) {
+  const json* document = members.find(key);
+  if (!document || !document->is_object())
+    throw Error(std::string("cinema: `") + key + "`: expected " + what);
+  return *document;
+}
+
+CinemaRequest readCinema(Request& request, std::string_view text) {
+  DocumentReader reader(request);
+  Members members(reader, text, "cinema");
+  CinemaRequest cinema;
+  const json& document = documentIn(members, "state", "a state document");
+  const json& sweep = documentIn(members, "sweep", "a sweep, an object with `axes`");
+  cinema.database = members.text("to", "");
+  if (cinema.database.empty()) throw Error("cinema: `to`: expected the name of a database, NAME.cdb");
+  if (!cinema.database.ends_with(".cdb")) cinema.database += ".cdb";
+  cinema.format = members.oneOf("format", {"png", "exr"});
+  cinema.concurrent = int(members.integer("concurrent", 4, 1, 64));
+  cinema.depth = members.flag("depth", false);
+  cinema.estimate = members.flag("estimate", false);
+  members.expectNoMore();
+  StateFile file = reader.state(protocol::dump(document), "state");
+  cinema.state = std::move(file.state);
+  cinema.sweep = readSweep(protocol::dump(sweep), "sweep");
+  cinema.warnings = std::move(file.warnings);
+  cinema.warnings.insert(cinema.warnings.end(), cinema.sweep.warnings.begin(), cinema.sweep.warnings.end());
+  return cinema;
+}
+
+/// The time of data in a table: that of the newest of them, or the number of its step if no time is known.
+std::string timeCell(const std::vector<Pin>& data) {
+  double time = std::nan("");
+  int64_t step = 0;
+  for (const Pin& pin : data) {
+    const auto dataset = pin.get<Dataset>();
+    if (!std::isnan(dataset->time)) time = std::isnan(time) ? dataset->time : std::max(time, dataset->time);
+    for (const Origin& origin : dataset->origins) step = std::max(step, origin.step);
+  }
+  return floatCell(std::isfinite(time) ? time : double(step));
+}
+
+/// Renders a sweep into one database.
+class CinemaWork {
+ public:
+  CinemaWork(Services& services, Request& request, const CinemaRequest& cinema, const SweptPictures& swept)
+      : services_(services),
+        request_(request),
+        cinema_(cinema),
+        swept_(swept),
+        folder_(services.serverRank.folders.makeFolder(cinema.database)),
+        rows_(swept.pictures.size()),
+        made_(swept.pictures.size(), 0) {
+    columns_ = swept.columns;
+    columns_.push_back("FILE");
+    if (cinema.depth) columns_.push_back("FILE_depth");
+  }
+
+  json run() {
+    const auto begin = std::chrono::steady_clock::now();
+    {
+      const std::lock_guard lock(services_.tables);
+      tableNow();  // an error of it comes before any picture
+    }
+    const BatchRender batch = batchOf();
+    try {
+      renderBatch(services_, request_, batch);
+    } catch (const std::exception&) {
+      replaceTable();  // with what is done
+      throw;
+    }
+    const size_t rows = replaceTable();
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return {{"database", cinema_.database},
+            {"pictures", rows_.size()},
+            {"rows", rows},
+            {"seconds", seconds},
+            {"text", std::to_string(rows_.size()) + " pictures; " + cinema_.database + " has " +
+                         std::to_string(rows) + ", and index.html shows them"}};
+  }
+
+ private:
+  BatchRender batchOf() {
+    BatchRender batch;
+    batch.format = cinema_.format;
+    batch.concurrent = cinema_.concurrent;
+    batch.sceneByScene = true;
+    for (const SweptScene& s : swept_.scenes)
+      batch.scenes.push_back({s.visualization, s.settings, s.annotations});
+    order_.resize(swept_.pictures.size());
+    std::iota(order_.begin(), order_.end(), size_t(0));
+    std::stable_sort(order_.begin(), order_.end(), [this](size_t a, size_t b) {
+      return swept_.pictures[a].scene < swept_.pictures[b].scene;
+    });
+    for (const size_t p : order_)
+      batch.pictures.push_back({swept_.pictures[p].scene, swept_.pictures[p].camera, {}});
+    batch.filesOf = [this](size_t i, const std::vector<Pin>& data) { return filesOf(order_[i], data); };
+    batch.made = [this](size_t i) { made_[order_[i]] = 1; };
+    return batch;
+  }
+
+  BatchRender::Files filesOf(size_t picture, const std::vector<Pin>& data) {
+    const DataFolders& folders = services_.serverRank.folders;
+    CinemaTable::Row row = swept_.parametersOf(picture, timeCell(data));
+    const std::string name = cinemaFileName(row, swept_.time);
+    folders.makeFolder(folder_ + "/" + name.substr(0, name.find('/')));
+    row.push_back(name + "." + cinema_.format);
+    BatchRender::Files files{folders.toWrite(folder_ + "/" + row.back()), {}};
+    if (cinema_.depth) {
+      row.push_back(name + "_depth.exr");
+      files.depth = folders.toWrite(folder_ + "/" + row.back());
+    }
+    rows_[picture] = std::move(row);
+    return files;
+  }
+
+  /// The table as it is now. Others may have added to it.
+  CinemaTable tableNow() const {
+    const std::string csv = folder_ + "/data.csv";
+    std::optional<std::string> text;
+    constexpr int64_t kLongest = int64_t(256) << 20;
+    if (std::filesystem::exists(csv)) text = services_.serverRank.folders.textOf(csv, kLongest);
+    return continuedTable(text, columns_, cinema_.database + "/data.csv");
+  }
+
+  /// Adds what has been made to the table. Returns the number of its rows.
+  size_t replaceTable() {
+    const DataFolders& folders = services_.serverRank.folders;
+    const std::lock_guard lock(services_.tables);
+    CinemaTable table = tableNow();
+    bool more = false;
+    for (size_t p = 0; p < rows_.size(); p++)
+      if (made_[p]) {
+        table.put(rows_[p]);
+        more = true;
+      }
+    if (!more) return table.rows().size();
+    const auto replace = [&](const char* name, const std::string& text) {
+      folders.write(folders.toWrite(folder_ + "/" + name), std::as_bytes(std::span(text)));
+    };
+    replace("data.csv", table.text());
+    replace("index.html", cinemaPage(table, std::filesystem::path(cinema_.database).filename().string()));
+    return table.rows().size();
+  }
+
+  Services& services_;
+  Request& request_;
+  const CinemaRequest& cinema_;
+  const SweptPictures& swept_;
+  const std::string folder_;
+  CinemaTable::Row columns_;
+  std::vector<size_t> order_;           ///< of pictures, those of a scene together
+  std::vector<CinemaTable::Row> rows_;  ///< by picture, once its data are known
+  std::vector<char> made_;              ///< by picture; each is written once, before the batch ends
+};
+
+}  // namespace
+
+json cinema(Services& services, Request& request, std::string_view document) {
+  CinemaRequest cinema = readCinema(request, document);
+  const size_t pictures = countOfPictures(cinema.sweep, cinema.state);
+  if (cinema.estimate) {
+    const size_t scenes = countOfScenes(cinema.sweep);
+    return {{"pictures", pictures},
+            {"scenes", scenes},
+            {"columns", cinema.sweep.columns()},
+            {"warnings", cinema.warnings},
+            {"text", std::to_string(pictures) + " pictures, of " + std::to_string(scenes) + " scenes"}};
+  }
+  const auto copies = int64_t(countOfScenes(cinema.sweep));
+  const LedgerEntry room = roomFor(cinema.state, request.session(), 2 * copies + 1);
+  // A reader for each text: what one has read counts until it goes.
+  const SweptPictures swept = sweptPictures(
+      cinema.sweep, cinema.state,
+      [&](const std::string& text) { return DocumentReader(request).state(text, "state"); },
+      [&] { request.check(); });
+  if (swept.datasets.size() > 1)
+    throw Error("cinema: the sweep varies keys of `Datasets`, expected none, as a server makes these once");
+  for (std::string& w : importMissing(request, cinema.state.datasets))
+    cinema.warnings.push_back(std::move(w));
+  json result = CinemaWork(services, request, cinema, swept).run();
+  result["warnings"] = cinema.warnings;
+  if (!cinema.warnings.empty())
+    result["text"] = result["text"].get<std::string>() + "\n" + textOf(cinema.warnings);
+  return result;
+}
+
+}  // namespace gxy::viewer
