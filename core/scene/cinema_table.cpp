@@ -32,6 +32,17 @@ bool isNan(std::string_view cell) {
          });
 }
 
+/// Whether a cell may stand in a column of this type.
+bool fits(std::string_view cell, CellType column) {
+  return cellType(cell) == column || (column == CellType::Text && isNan(cell));
+}
+
+/// Says why it may not.
+std::string misfit(const std::string& column, const std::string& cell, CellType type) {
+  return "column " + inQuotes(column) + ": " + inQuotes(cell) + " is " + describe(cellType(cell)) +
+         ", expected " + describe(type) + " as in the first row";
+}
+
 /// A cell in quotes if it needs them.
 std::string csvCell(const std::string& cell) {
   if (cell.find_first_of(",\"\r\n") == std::string::npos) return cell;
@@ -47,6 +58,8 @@ class CsvReader {
 
   std::vector<CsvRecord> read() {
     std::vector<CsvRecord> records;
+    if (text_.starts_with("\xEF\xBB\xBF"))
+      problems_.push_back({1, "there is a byte order mark, expected the name of the first column"});
     while (at_ < text_.size()) {
       CsvRecord record{line_, {}};
       const size_t begin = at_;
@@ -191,12 +204,9 @@ std::vector<TableProblem> problemsOfTable(const std::vector<CsvRecord>& records)
       continue;
     }
     for (size_t c = 0; c < parameters; c++) {
-      const CellType type = cellType(row.cells[c]);
-      const CellType first = c < records[1].cells.size() ? cellType(records[1].cells[c]) : type;
-      if (type != first && !(first == CellType::Text && isNan(row.cells[c])))
-        problems.push_back({row.line, "column " + inQuotes(columns[c]) + ": " + inQuotes(row.cells[c]) +
-                                          " is " + describe(type) + ", expected " + describe(first) +
-                                          " as in the first row"});
+      if (c >= records[1].cells.size()) break;
+      const CellType type = cellType(records[1].cells[c]);
+      if (!fits(row.cells[c], type)) problems.push_back({row.line, misfit(columns[c], row.cells[c], type)});
     }
     const auto [at, added] = lines.emplace(joinedCells(row.cells, parameters), row.line);
     if (!added)
@@ -231,10 +241,8 @@ void CinemaTable::put(Row row) {
     throw Error("table: a row of " + std::to_string(row.size()) + " cells, expected " +
                 std::to_string(columns_.size()));
   for (size_t c = 0; c < parameters_ && !rows_.empty(); c++)
-    if (cellType(row[c]) != cellType(rows_[0][c]))
-      throw Error("table: column " + inQuotes(columns_[c]) + ": " + inQuotes(row[c]) + " is " +
-                  describe(cellType(row[c])) + ", expected " + describe(cellType(rows_[0][c])) +
-                  " as in the first row");
+    if (const CellType type = cellType(rows_[0][c]); !fits(row[c], type))
+      throw Error("table: " + misfit(columns_[c], row[c], type));
   const auto [at, added] = places_.emplace(keyOf(row), rows_.size());
   if (added)
     rows_.push_back(std::move(row));
@@ -252,6 +260,7 @@ std::string CinemaTable::text() const {
   std::string out;
   const auto add = [&](const Row& row) {
     for (size_t c = 0; c < row.size(); c++) out += (c == 0 ? "" : ",") + csvCell(row[c]);
+    if (row.size() == 1 && row[0].empty()) out += "\"\"";  // or the line would be blank
     out += "\r\n";
   };
   add(columns_);

@@ -144,18 +144,20 @@ TEST(Cinema, WrongRequestsSayWhatWasExpected) {
   const auto server = serve();
   CinemaClient c(*server);
   const auto expect = [&](const char* key, const json& value, const std::string& why) {
-    json document = CinemaClient::documentOf({kAngles});
+    json document = CinemaClient::documentOf(json::array({kAngles}));
     document[key] = value;
     const std::string said = c.error(document);
     EXPECT_NE(said.find(why), std::string::npos) << said;
   };
   expect("state", 5, "cinema: `state`: expected a state document");
   expect("sweep", 5, "cinema: `sweep`: expected a sweep");
-  expect("sweep", {{"axes", {{{"axis", "phi"}}}}}, "sweep:1:11: axis without `values`");
-  expect("sweep", {{"axes", {{{"axis", "isovalue"}, {"operator", 1}, {"values", {1}}}}}},
-         "`operator`: there is no operator 1");
-  expect("sweep", {{"axes", {{{"axis", "phi"}, {"from", 0}, {"to", 1}, {"count", 10001}}}}},
-         "expected an integer 2 to 10000");
+  const auto expectAxis = [&](const json& axis, const std::string& why) {
+    expect("sweep", {{"axes", json::array({axis})}}, why);
+  };
+  expectAxis({{"axis", "phi"}}, "sweep:1:10: axis without `values`");
+  expectAxis({{"axis", "isovalue"}, {"operator", 1}, {"values", {1, 2}}},
+             "`operator`: there is no operator 1");
+  expectAxis({{"axis", "phi"}, {"from", 0}, {"to", 1}, {"count", 10001}}, "expected an integer 2 to 10000");
   expect("to", "", "cinema: `to`: expected the name of a database");
   expect("to", "../a.cdb", "it cannot be made");
   expect("to", "/tmp/a.cdb", "it cannot be made");
@@ -164,15 +166,15 @@ TEST(Cinema, WrongRequestsSayWhatWasExpected) {
   expect("depth", 1, "`depth`: expected true or false");
   expect("concurrent", 65, "`concurrent`: expected an integer from 1 to 64");
   expect("prefix", "a", "keys that mean nothing here");
-  json none = CinemaClient::documentOf({kAngles});
+  json none = CinemaClient::documentOf(json::array({kAngles}));
   none["state"] = json::parse(stateOf("nothing"));
   EXPECT_NE(c.error(none).find("nothing"), std::string::npos);
   json data =
       CinemaClient::documentOf({{{"axis", "key"}, {"path", "/Datasets/0/array"}, {"values", {"a", "b"}}}});
-  data["state"]["Datasets"] = {{{"name", "ball"}, {"type", "Volume"}, {"filename", "ball.vol"}}};
+  data["state"]["Datasets"] = {{"name", "ball"}, {"type", "Volume"}, {"filename", "ball.vol"}};
   EXPECT_NE(c.error(data).find("varies keys of `Datasets`"), std::string::npos);
-  c.cinema(CinemaClient::documentOf({kAngles}));
-  EXPECT_NE(c.error(CinemaClient::documentOf({kSurfaces}))
+  c.cinema(CinemaClient::documentOf(json::array({kAngles})));
+  EXPECT_NE(c.error(CinemaClient::documentOf(json::array({kSurfaces})))
                 .find("its columns are phi, FILE, expected isovalue, FILE"),
             std::string::npos);
   std::filesystem::create_symlink("/tmp", c.folder / "link.cdb");

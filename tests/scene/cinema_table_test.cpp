@@ -129,6 +129,8 @@ TEST_F(CinemaCheckTest, AValidDatabaseHasNoProblems) {
 
 TEST_F(CinemaCheckTest, EachKindOfBrokenTableIsFound) {
   expectProblem("", "/data.csv: the table is empty, expected a line with the names of the columns");
+  expectProblem("\xEF\xBB\xBFphi,FILE\n0.0,pictures/a.png\n",
+                "/data.csv:1: there is a byte order mark, expected the name of the first column");
   expectProblem("phi,FILE\n", "/data.csv: there are no rows, expected one at least");
   expectProblem("phi,FILE\n0.0,pictures/a.png,\n", "/data.csv:2: 3 cells, expected 2 as in the first line");
   expectProblem("phi,FILE\n0.0,pictures/a.png\n\n1.0,pictures/b.png\n",
