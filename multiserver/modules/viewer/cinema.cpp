@@ -213,7 +213,7 @@ json cinema(Services& services, Request& request, std::string_view document) {
   json result = CinemaWork(services, request, cinema, swept).run();
   result["warnings"] = cinema.warnings;
   if (!cinema.warnings.empty())
-    result["text"] = result["text"].get<std::string>() + "\n" + textOf(cinema.warnings);
+    result["text"] = result["text"].get<std::string>() + "\n" + linesOf(cinema.warnings);
   return result;
 }
 

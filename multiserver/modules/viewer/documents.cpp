@@ -15,7 +15,7 @@ std::vector<std::string> importMissing(Request& request, const std::vector<Datas
   return request.session().serverRank().filterRuns->importAndMake(request, what);
 }
 
-std::string textOf(const std::vector<std::string>& warnings) {
+std::string linesOf(const std::vector<std::string>& warnings) {
   std::string text;
   for (const std::string& w : warnings) text += (text.empty() ? "warning: " : "\nwarning: ") + w;
   return text;

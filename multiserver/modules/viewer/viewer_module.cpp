@@ -163,7 +163,7 @@ json set(Request& request, Arguments arguments) {
   if (file.hasRenderer) window->setRenderer(file.state.settings);
   if (!visualizations.empty()) window->setVisualization(visualizations[0], std::move(memory));
   if (!file.state.cameras.empty()) window->setCamera(file.state.cameras[0]);
-  return {{"warnings", file.warnings}, {"text", textOf(file.warnings)}};
+  return {{"warnings", file.warnings}, {"text", linesOf(file.warnings)}};
 }
 
 struct RenderRequest {
@@ -339,7 +339,7 @@ json batch(Services& services, Request& request, Arguments arguments) {
   json result = renderBatch(services, request, batch.render);
   result["warnings"] = batch.warnings;
   if (!batch.warnings.empty())
-    result["text"] = result["text"].get<std::string>() + "\n" + textOf(batch.warnings);
+    result["text"] = result["text"].get<std::string>() + "\n" + linesOf(batch.warnings);
   return result;
 }
 
@@ -420,7 +420,7 @@ json show(Services& services, Request& request, Arguments arguments) {
   std::string command = "gxyviewer";
   for (const std::string& name : names) command += " " + name;
   std::string text = result["pictures"].at(0).get<std::string>() + "; to turn it: " + command;
-  if (!warnings.empty()) text += "\n" + textOf(warnings);
+  if (!warnings.empty()) text += "\n" + linesOf(warnings);
   result["text"] = text;
   return result;
 }
