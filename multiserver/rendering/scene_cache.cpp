@@ -124,16 +124,26 @@ bool SceneCache::namesMean(const std::string& tenant, const std::vector<NamedDat
 }
 
 SceneCache::HeldData SceneCache::hold(const std::string& tenant, const Visualization& visualization,
-                                      ShownSoFar& shown) const {
+                                      ShownSoFar& shown, const PinnedData* known) const {
   HeldData held;
   std::vector<DataFacts> facts;
+  const auto isKnown = [&](const std::string& name) { return known && known->contains(name); };
   std::vector<std::string> names;
-  for (const Vis& vis : visualization.operators) names.push_back(vis.dataset);
-  for (auto& [dataset, pin] : serverRank_.datasets->getPinned(tenant, names)) {
-    const auto content = pin.get<Dataset>();
+  for (const Vis& vis : visualization.operators)
+    if (!isKnown(vis.dataset)) names.push_back(vis.dataset);
+  auto newest = serverRank_.datasets->getPinned(tenant, names);
+  auto next = newest.begin();
+  for (const Vis& vis : visualization.operators) {
+    if (isKnown(vis.dataset)) {
+      held.data.push_back(known->at(vis.dataset).first);
+      held.pins.push_back(std::move(pinned(serverRank_, {held.data.back()}).front()));
+    } else {
+      held.data.push_back(std::move(next->first));
+      held.pins.push_back(std::move(next->second));
+      ++next;
+    }
+    const auto content = held.pins.back().get<Dataset>();
     facts.push_back(content->volume ? factsOf(*content->volume) : factsOf(*content->geometry));
-    held.data.push_back(std::move(dataset));
-    held.pins.push_back(std::move(pin));
   }
   held.resolved = resolved(visualization, facts, shown);
   return held;
@@ -144,14 +154,20 @@ void SceneCache::widen(const std::string& tenant, const Visualization& visualiza
   hold(tenant, visualization, shown);
 }
 
+std::optional<SceneCache::Pinned> SceneCache::pin(const std::string& tenant, const ScenePtr& scene) const {
+  if (!namesMean(tenant, scene->data)) return std::nullopt;
+  try {
+    return Pinned{scene, pinned(serverRank_, scene->data)};
+  } catch (const Error&) {
+    return std::nullopt;  // its data have gone
+  }
+}
+
 SceneCache::Pinned SceneCache::get(const std::string& tenant, const Visualization& visualization,
                                    const RenderSettings& settings, const Asker& asker, ShownSoFar& shown,
-                                   const ScenePtr& known) {
-  if (known && namesMean(tenant, known->data)) try {
-      return {known, pinned(serverRank_, known->data)};
-    } catch (const Error&) {
-      // its data have gone
-    }
+                                   const ScenePtr& known, const PinnedData* pinnedData) {
+  if (known)
+    if (auto pinned = pin(tenant, known)) return *std::move(pinned);
   if (visualization.operators.empty())
     throw Error("visualization: it has no operators, expected one or more");
   State state;
@@ -167,7 +183,7 @@ SceneCache::Pinned SceneCache::get(const std::string& tenant, const Visualizatio
       state.datasets.push_back(spec);
   }
   for (int looks = 1;; looks++) {
-    HeldData held = hold(tenant, visualization, shown);
+    HeldData held = hold(tenant, visualization, shown, pinnedData);
     state.visualizations = {std::move(held.resolved)};
     try {
       return {getOf(tenant, state, held.data, asker), std::move(held.pins)};

@@ -55,13 +55,18 @@ class SceneCache {
   /// one. If that scene is still being built, all callers wait for it and are told its progress; when none of
   /// them wants it any more, all ranks give it up. Otherwise all ranks build a new scene.
   ///
+  /// `pinned`, if not null, holds the generations that a new scene shows of the datasets that it has; of others it shows the newest.
+  ///
   /// Ranges and radii that the visualization takes from its data follow the data and all that was shown before. `shown` holds
   /// what was shown before, and the data widen it. A `known` scene has widened it already.
   ///
   /// Waits; the asker must live as long. Throws Error for data that do not exist or do not fit. Throws soon what
   /// `asker.check` throws; the last caller who waits throws it once no rank holds anything of the scene.
   Pinned get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings,
-             const Asker& asker, ShownSoFar& shown, const ScenePtr& known = nullptr);
+             const Asker& asker, ShownSoFar& shown, const ScenePtr& known = nullptr,
+             const PinnedData* pinned = nullptr);
+  /// Rank 0: pins the generations that a scene shows. Nothing if they have gone, or if its names do not mean its objects any more.
+  std::optional<Pinned> pin(const std::string& tenant, const ScenePtr& scene) const;
   /// Rank 0: widens `shown` as get() would. Throws Error for data that do not exist.
   void widen(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const;
   /// Every rank: returns a scene that rank 0 has a handle of. Throws Error if all handles have gone.
@@ -76,7 +81,8 @@ class SceneCache {
     std::vector<Pin> pins;
     Visualization resolved;
   };
-  HeldData hold(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const;
+  HeldData hold(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown,
+                const PinnedData* pinned = nullptr) const;
   SceneSource sourceOf(const nlohmann::json& parameters) const;
   nlohmann::json make(const nlohmann::json& parameters);
   nlohmann::json forget(const nlohmann::json& parameters);

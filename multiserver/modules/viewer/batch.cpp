@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstring>
 #include <map>
+#include <set>
 
 #include "core/annotate/annotations.h"
 #include "core/comm/error.h"
@@ -13,6 +14,7 @@
 #include "multiserver/protocol/json.h"
 #include "multiserver/rendering/cost.h"
 #include "multiserver/rendering/data_hold.h"
+#include "multiserver/server/filter_runs.h"
 
 namespace gxy::viewer {
 
@@ -54,6 +56,13 @@ std::string nameOf(const BatchRender& batch, size_t index) {
   return batch.pictures[index].name + "." + batch.format;
 }
 
+std::vector<std::string> namesIn(const BatchRender& batch) {
+  std::set<std::string> names;
+  for (const BatchScene& scene : batch.scenes)
+    for (const Vis& vis : scene.visualization.operators) names.insert(vis.dataset);
+  return {names.begin(), names.end()};
+}
+
 Bytes fileRecord(const json& header, std::span<const std::byte> content) {
   const std::string text = protocol::dump(header);
   const auto size = uint32_t(text.size());
@@ -71,6 +80,7 @@ class Run {
         request_(request),
         batch_(batch),
         total_(batch.pictures.size()),
+        names_(namesIn(batch)),
         stream_(services.rendering->nextStream()) {
     asker_.check = [this] { check(); };
   }
@@ -95,11 +105,9 @@ class Run {
         paths_.push_back(services_.serverRank.folders.toWrite(nameOf(batch_, i)));
     }
     job_->scenes.resize(batch_.scenes.size());
-    for (size_t i = 0; i < shown_.size() && !batch_.sceneByScene; i++)
-      job_->scenes[i] = services_.scenes
-                            .get(request_.session().tenant(), batch_.scenes[i].visualization,
-                                 batch_.scenes[i].settings, asker_, shown_[i])
-                            .scene;
+    PinnedData pinned;
+    std::vector<std::string> warnings = look(pinned);
+    pinned.clear();
     const auto wanted = services_.serverRank.observers.subscribe({}, [this](const ObjectEvent& event) {
       if (event.kind == ObjectEvent::Kind::Wanted) letGo(event.key, event.generation);
     });
@@ -112,6 +120,7 @@ class Run {
     check();  // the last picture, too
     request_.progress(int64_t(total_), int64_t(total_), "rendered");
     return {{"pictures", names},
+            {"warnings", std::move(warnings)},
             {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()},
             {"text", std::to_string(total_) + " pictures"}};
   }
@@ -216,24 +225,49 @@ class Run {
     if (const auto at = job_->inFlight.find(index); at != job_->inFlight.end()) at->second.id = id;
   }
 
+  // Makes what the document has, and the scenes of all pictures unless they are made one by one, of the data of one moment. `pinned` gets
+  // the data that they show. Returns what of the files is not used.
+  std::vector<std::string> look(PinnedData& pinned) {
+    std::vector<std::string> warnings;
+    Datasets::Import what;
+    what.specs = batch_.datasets;
+    what.onlyMissing = true;
+    if (!what.specs.empty())
+      warnings = services_.serverRank.filterRuns->importAndMake(request_, std::move(what), names_, pinned);
+    if (batch_.sceneByScene) return warnings;
+    std::vector<ScenePtr> scenes;
+    for (size_t i = 0; i < shown_.size(); i++) scenes.push_back(sceneOf(i, nullptr, pinned).scene);
+    const std::lock_guard lock(job_->mutex);
+    job_->scenes.swap(scenes);
+    return warnings;
+  }
+
+  SceneCache::Pinned sceneOf(size_t scene, const ScenePtr& known, const PinnedData& pinned) {
+    return services_.scenes.get(request_.session().tenant(), batch_.scenes[scene].visualization,
+                                batch_.scenes[scene].settings, asker_, shown_[scene], known, &pinned);
+  }
+
   // Returns the scene of a picture, with its data pinned. The scene is kept for the next picture that shows it.
   SceneCache::Pinned sceneOf(size_t index) {
-    ScenePtr kept, before;  // destroyed without the lock
     const size_t scene = batch_.pictures[index].scene;
-    {
+    const size_t last = index == 0 ? scene : batch_.pictures[index - 1].scene;
+    if (batch_.sceneByScene && last != scene) keep(last, nullptr);
+    const auto kept = [&] {
       const std::lock_guard lock(job_->mutex);
-      const size_t last = index == 0 ? scene : batch_.pictures[index - 1].scene;
-      if (batch_.sceneByScene && last != scene) before = std::move(job_->scenes[last]);
-      kept = job_->scenes[scene];
-    }
-    SceneCache::Pinned pinned =
-        services_.scenes.get(request_.session().tenant(), sceneAt(index).visualization,
-                             sceneAt(index).settings, asker_, shownOf(index), kept);
-    if (pinned.scene != kept) {
-      const std::lock_guard lock(job_->mutex);
-      kept = std::exchange(job_->scenes[scene], pinned.scene);
-    }
+      return job_->scenes[scene];
+    };
+    if (const ScenePtr known = kept())
+      if (auto pinned = services_.scenes.pin(request_.session().tenant(), known)) return *std::move(pinned);
+    PinnedData data;
+    look(data);
+    SceneCache::Pinned pinned = sceneOf(scene, kept(), data);
+    if (batch_.sceneByScene) keep(scene, pinned.scene);
     return pinned;
+  }
+
+  void keep(size_t scene, ScenePtr which) {
+    const std::lock_guard lock(job_->mutex);
+    job_->scenes[scene].swap(which);  // and what was there goes without the lock
   }
 
   PictureFormat formatOf(size_t index, const Camera& camera, const SceneCache::Pinned& pinned) {
@@ -295,7 +329,8 @@ class Run {
   const BatchRender& batch_;
   Asker asker_ = askerOf(request_);  ///< for its scenes
   const size_t total_;
-  const uint64_t stream_;  ///< of its frames
+  const std::vector<std::string> names_;  ///< of the datasets that pictures show
+  const uint64_t stream_;                 ///< of its frames
   std::vector<std::string> paths_;
   std::vector<ShownSoFar> shown_ = std::vector<ShownSoFar>(batch_.scenes.size());  ///< by scene
   const std::shared_ptr<Job> job_ = std::make_shared<Job>();
@@ -306,6 +341,7 @@ class Run {
 void addPictures(BatchRender& batch, const State& state, const std::string& prefix) {
   const size_t n = state.visualizations.size(), total = state.cameras.size() * n;
   checkCount(total);
+  batch.datasets = state.datasets;
   for (const Visualization& visualization : state.visualizations)
     batch.scenes.push_back({visualization, state.settings, state.annotations});
   for (size_t i = 0; i < total; i++)

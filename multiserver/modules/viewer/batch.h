@@ -33,6 +33,7 @@ struct BatchRender {
     std::string depth;  ///< empty: its depths are not wanted
   };
 
+  std::vector<DatasetSpec> datasets;  ///< of the document
   std::vector<BatchScene> scenes;
   std::vector<BatchPicture> pictures;  ///< in the order in which they are begun
   bool toClient = false;
@@ -47,10 +48,11 @@ struct BatchRender {
   std::function<void(size_t picture)> made;
 };
 
-/// Adds every visualization of a state with every camera, cameras outermost. Throws Error if there are too many.
+/// Adds the datasets of a state, and every visualization with every camera, cameras outermost. Throws Error if there are too many.
 void addPictures(BatchRender& batch, const State& state, const std::string& prefix);
 
-/// Renders the pictures; returns `pictures`, which are their names, and `seconds`. Waits; tells the request its progress, and ends when
+/// Reads and makes what the document has and the tenant has not, then renders the pictures; returns their names as `pictures`, `seconds`
+/// and `warnings`. Pictures of data that filters make show all data of one moment. Waits; tells the request its progress, and ends when
 /// it is cancelled. Nothing is under way any more when it returns or throws. Throws Error.
 nlohmann::json renderBatch(Services& services, Request& request, const BatchRender& batch);
 

@@ -95,8 +95,9 @@ class CinemaWork {
       tableNow();  // an error of it comes before any picture
     }
     const BatchRender batch = batchOf();
+    json warnings;
     try {
-      renderBatch(services_, request_, batch);
+      warnings = std::move(renderBatch(services_, request_, batch)["warnings"]);
     } catch (const std::exception&) {
       replaceTable();  // with what is done
       throw;
@@ -107,6 +108,7 @@ class CinemaWork {
             {"pictures", rows_.size()},
             {"rows", rows},
             {"seconds", seconds},
+            {"warnings", std::move(warnings)},
             {"text", std::to_string(rows_.size()) + " pictures; " + cinema_.database + " has " +
                          std::to_string(rows) + ", and index.html shows them"}};
   }
@@ -117,6 +119,7 @@ class CinemaWork {
     batch.format = cinema_.format;
     batch.concurrent = cinema_.concurrent;
     batch.sceneByScene = true;
+    batch.datasets = cinema_.state.datasets;
     for (const SweptScene& s : swept_.scenes)
       batch.scenes.push_back({s.visualization, s.settings, s.annotations});
     order_.resize(swept_.pictures.size());

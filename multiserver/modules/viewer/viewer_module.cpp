@@ -335,8 +335,8 @@ json batch(Services& services, Request& request, Arguments arguments) {
   BatchRequest batch = readBatch(request, arguments.expectJson());
   const LedgerEntry room = roomFor(batch.state, request.session());
   addPictures(batch.render, batch.state, batch.prefix);
-  for (std::string& w : importMissing(request, batch.state.datasets)) batch.warnings.push_back(std::move(w));
   json result = renderBatch(services, request, batch.render);
+  for (const json& w : result["warnings"]) batch.warnings.push_back(w);
   result["warnings"] = batch.warnings;
   if (!batch.warnings.empty())
     result["text"] = result["text"].get<std::string>() + "\n" + linesOf(batch.warnings);
@@ -413,10 +413,9 @@ json show(Services& services, Request& request, Arguments arguments) {
   std::string prefix = state.visualizations[0].operators[0].dataset;
   std::replace(prefix.begin(), prefix.end(), '/', '_');
   addPictures(batch, state, prefix);
-  const std::vector<std::string> warnings = importMissing(request, state.datasets);
   json result = renderBatch(services, request, batch);
   result["state"] = json::parse(writeState(state));
-  result["warnings"] = warnings;
+  const auto warnings = result["warnings"].get<std::vector<std::string>>();
   std::string command = "gxyviewer";
   for (const std::string& name : names) command += " " + name;
   std::string text = result["pictures"].at(0).get<std::string>() + "; to turn it: " + command;
