@@ -114,6 +114,7 @@ void readDocument(const json& document, Trigger& trigger) {
   }
   if (trigger.does == Trigger::Does::Cinema) {
     if (!what.value("to", json()).is_string()) fail("to", "a text, the name of a database");
+    if (what.contains("steps")) fail("steps", "none, as the trigger says for which steps it is");
     if (!hasStep(what["to"]) && !hasTimeAxis(what.value("sweep", json())))
       fail("sweep", "an axis \"time\", or else `to` with {step} in it, so that no step replaces another");
   }

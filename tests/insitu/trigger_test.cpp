@@ -85,6 +85,9 @@ TEST(Trigger, DatabasesGrowByTimeOrAreOnesOfTheirStep) {
   document["exact"] = false;
   EXPECT_EQ(written(readTrigger(document)), document);
   EXPECT_EQ(statementOf(readTrigger(document), 7), "viewer.cinema " + document["cinema"].dump());
+  document["cinema"]["steps"] = 2;
+  EXPECT_NE(errorOf(document).find("`steps`: expected none"), std::string::npos) << errorOf(document);
+  document["cinema"].erase("steps");
   document["cinema"]["sweep"]["axes"][0]["axis"] = "phi";
   EXPECT_NE(errorOf(document).find("`sweep`: expected an axis \"time\""), std::string::npos)
       << errorOf(document);

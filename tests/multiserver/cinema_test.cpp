@@ -121,6 +121,35 @@ TEST(Cinema, GrowsWithEachGeneration) {
   EXPECT_EQ(c.cinema(document).at("rows"), 4) << "the same generation again";
 }
 
+TEST(Cinema, WaitsForMoreStepsUntilThereAreEnough) {
+  const auto server = serve();
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  CinemaClient c(*server);
+  json document = CinemaClient::documentOf({{{"axis", "time"}}, kAngles});
+  for (const bool cancels : {false, true}) {
+    document["to"] = cancels ? "cancelled.cdb" : "whole.cdb";
+    document["steps"] = cancels ? 100 : 2;
+    std::promise<Reply> ended;
+    auto reply = ended.get_future();
+    const uint32_t id =
+        c.client->send("cinema " + document.dump(), [&](const Reply& r) { ended.set_value(r); });
+    const std::string name = document["to"];
+    until([&] { return std::filesystem::exists(c.folder / name / "data.csv"); }, "the first step");
+    EXPECT_EQ(c.table(name).rows().size(), 2u);
+    c.client->expect(importBall("other", "twice.vol"));
+    c.client->expect(importBall("ball", "twice.vol"));
+    until([&] { return c.table(name).rows().size() == 4; }, "the second step");
+    if (cancels) c.client->expect("cancel " + std::to_string(id));
+    const Reply end = reply.get();
+    EXPECT_EQ(end.ok, !cancels) << end.error;
+    if (cancels) {
+      EXPECT_EQ(end.error, "cancelled");
+    }
+    c.expectValid(name);
+    EXPECT_EQ(c.table(name).rows().size(), 4u);
+  }
+}
+
 TEST(Cinema, ThatIsCancelledLeavesWhatIsDone) {
   const auto server = serve();
   CinemaClient c(*server);
@@ -164,6 +193,8 @@ TEST(Cinema, WrongRequestsSayWhatWasExpected) {
   expect("to", "none/a.cdb", "it cannot be made");
   expect("format", "raw", "`format`: expected \"png\" or \"exr\"");
   expect("depth", 1, "`depth`: expected true or false");
+  expect("steps", 0, "`steps`: expected an integer from 1 to 1000000");
+  expect("steps", 2, "`steps`: expected 1, or an axis \"time\"");
   expect("concurrent", 65, "`concurrent`: expected an integer from 1 to 64");
   expect("prefix", "a", "keys that mean nothing here");
   json none = CinemaClient::documentOf(json::array({kAngles}));

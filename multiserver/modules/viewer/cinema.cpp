@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <filesystem>
+#include <mutex>
 #include <numeric>
+#include <set>
 #include <span>
 
 #include "core/comm/error.h"
@@ -16,6 +19,7 @@
 #include "multiserver/modules/viewer/batch.h"
 #include "multiserver/modules/viewer/documents.h"
 #include "multiserver/modules/viewer/members.h"
+#include "multiserver/server/datasets.h"
 
 namespace gxy::viewer {
 
@@ -27,6 +31,7 @@ struct CinemaRequest {
   std::string database;  ///< NAME.cdb
   std::string format;
   int concurrent = 4;
+  int64_t steps = 1;
   bool depth = false, estimate = false;
   std::vector<std::string> warnings;
 };
@@ -49,6 +54,7 @@ CinemaRequest readCinema(Request& request, std::string_view text) {
   if (!cinema.database.ends_with(".cdb")) cinema.database += ".cdb";
   cinema.format = members.oneOf("format", {"png", "exr"});
   cinema.concurrent = int(members.integer("concurrent", 4, 1, 64));
+  cinema.steps = members.integer("steps", 1, 1, 1000000);
   cinema.depth = members.flag("depth", false);
   cinema.estimate = members.flag("estimate", false);
   members.expectNoMore();
@@ -57,6 +63,9 @@ CinemaRequest readCinema(Request& request, std::string_view text) {
   cinema.sweep = readSweep(protocol::dump(sweep), "sweep");
   cinema.warnings = std::move(file.warnings);
   cinema.warnings.insert(cinema.warnings.end(), cinema.sweep.warnings.begin(), cinema.sweep.warnings.end());
+  if (cinema.steps > 1 && !cinema.sweep.hasTime())
+    throw Error(
+        "cinema: `steps`: expected 1, or an axis \"time\" in the sweep, so that no step replaces another");
   return cinema;
 }
 
@@ -71,6 +80,48 @@ std::string timeCell(const std::vector<Pin>& data) {
   }
   return floatCell(std::isfinite(time) ? time : double(step));
 }
+
+/// Whether there are newer data of some names. While it lives, they are wanted.
+class News {
+ public:
+  News(Datasets& datasets, const std::string& tenant, const State& state) {
+    std::set<std::string> names;
+    for (const Vis& vis : state.visualizations.at(0).operators) names.insert(vis.dataset);
+    for (const DatasetSpec& spec : state.datasets)
+      for (const FilterInput& input : spec.inputs) names.insert(input.datasets.begin(), input.datasets.end());
+    wish_ = datasets.want(tenant, {names.begin(), names.end()});
+    // The observer may still be running when this has gone.
+    subscription_ = datasets.observe([seen = seen_, tenant, names](const DatasetEvent& event) {
+      const bool newer = event.kind == DatasetEvent::Kind::Updated || event.kind == DatasetEvent::Kind::Added;
+      if (!newer || !event.visibleTo(tenant) || names.count(event.dataset.name) == 0) return;
+      const std::lock_guard lock(seen->mutex);
+      seen->news = true;
+      seen->changed.notify_all();
+    });
+  }
+  void forget() {
+    const std::lock_guard lock(seen_->mutex);
+    seen_->news = false;
+  }
+  /// Waits until there are any since forget(). Throws Error if the request is cancelled.
+  void wait(const Request& request) {
+    std::unique_lock lock(seen_->mutex);
+    while (!seen_->changed.wait_for(lock, std::chrono::milliseconds(100), [this] { return seen_->news; })) {
+      lock.unlock();
+      request.check();
+      lock.lock();
+    }
+  }
+
+ private:
+  struct Seen {
+    std::mutex mutex;
+    std::condition_variable changed;
+    bool news = false;
+  };
+  const std::shared_ptr<Seen> seen_ = std::make_shared<Seen>();
+  std::shared_ptr<void> wish_, subscription_;
+};
 
 /// Renders a sweep into one database.
 class CinemaWork {
