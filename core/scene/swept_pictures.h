@@ -54,10 +54,10 @@ size_t countOfPictures(const Sweep& sweep, const State& state);
 /// Returns the number of different scenes at most.
 size_t countOfScenes(const Sweep& sweep);
 
-/// Returns the pictures. Each equals the picture that the state makes once the values of its row have been written into it. The state has one
-/// visualization, and one camera unless the sweep has an axis of them; without any, it has defaultCamera() (resolve.h). `read` reads
-/// states in which a value has been changed; `check` is called before each and may throw. Throws Error "SOURCE:LINE:COLUMN: ..." for
-/// a sweep that does not fit the state.
+/// Returns the pictures. Each equals the picture that the state makes once the values of its row have been written into it. The
+/// state has one visualization, and one camera unless the sweep has an axis of them; without any, it has defaultCamera()
+/// (resolve.h). `read` reads states in which a value has been changed; `check` is called before each and may throw. Throws Error
+/// "SOURCE:LINE:COLUMN: ..." for a sweep that does not fit the state.
 SweptPictures sweptPictures(const Sweep& sweep, const State& state, const StateReader& read,
                             const std::function<void()>& check = {});
 

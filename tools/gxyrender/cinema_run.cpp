@@ -97,8 +97,8 @@ class CinemaRun {
     for (size_t step = 0; step < steps_.count(); step++) {
       const std::vector<size_t> missing = missingOf(step);
       agree(at_.ranks, [&] {
-        for (const size_t p : missing)
-          std::filesystem::create_directories((folder_ / nameOf(p, step)).parent_path());
+        if (!missing.empty())  // all pictures of a step are in one folder
+          std::filesystem::create_directories((folder_ / nameOf(missing[0], step)).parent_path());
       });
       for (size_t d = 0; d < swept_.datasets.size(); d++) renderGroup(d, step, missing);
       textOfRoot(at_.collective, at_.root, [&] {
