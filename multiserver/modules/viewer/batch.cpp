@@ -276,7 +276,7 @@ class Run {
     format.format = batch_.format;
     if (!batch_.toClient) {
       BatchRender::Files files =
-          batch_.filesOf ? batch_.filesOf(index, pinned.pins) : BatchRender::Files{paths_[index], {}};
+          batch_.filesOf ? batch_.filesOf(index, pinned) : BatchRender::Files{paths_[index], {}};
       format.path = std::move(files.picture);
       format.depthPath = std::move(files.depth);
     }

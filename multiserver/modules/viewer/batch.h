@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/scene/scene.h"
-#include "core/space/objects.h"
 #include "multiserver/modules/viewer/window.h"
 #include "multiserver/server/session.h"
 
@@ -43,7 +42,7 @@ struct BatchRender {
   /// before the first picture.
   bool sceneByScene = false;
   /// The files of a picture that shows these data; null: its name in a data folder. The batch's thread calls it.
-  std::function<Files(size_t picture, const std::vector<Pin>& data)> filesOf;
+  std::function<Files(size_t picture, const SceneCache::Pinned& data)> filesOf;
   /// Called when a picture has been made and written, from any thread; may be null.
   std::function<void(size_t picture)> made;
 };

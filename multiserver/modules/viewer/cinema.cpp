@@ -6,6 +6,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <numeric>
 #include <set>
@@ -81,35 +82,51 @@ std::string timeCell(const std::vector<Pin>& data) {
   return floatCell(std::isfinite(time) ? time : double(step));
 }
 
-/// Whether there are newer data of some names. While it lives, they are wanted.
+/// The objects and generations that names mean.
+using Versions = std::map<std::string, std::pair<Key, Generation>>;
+
+/// Whether there are newer data of what a state shows, or makes that of. While it lives, they are wanted.
 class News {
  public:
-  News(Datasets& datasets, const std::string& tenant, const State& state) {
-    std::set<std::string> names;
-    for (const Vis& vis : state.visualizations.at(0).operators) names.insert(vis.dataset);
+  News(Datasets& datasets, const std::string& tenant, const State& state)
+      : datasets_(datasets), tenant_(tenant) {
+    for (const Vis& vis : state.visualizations.at(0).operators) names_.insert(vis.dataset);
     for (const DatasetSpec& spec : state.datasets)
-      for (const FilterInput& input : spec.inputs) names.insert(input.datasets.begin(), input.datasets.end());
-    wish_ = datasets.want(tenant, {names.begin(), names.end()});
+      for (const FilterInput& input : spec.inputs)
+        names_.insert(input.datasets.begin(), input.datasets.end());
+    wish_ = datasets.want(tenant, {names_.begin(), names_.end()});
     // The observer may still be running when this has gone.
-    subscription_ = datasets.observe([seen = seen_, tenant, names](const DatasetEvent& event) {
-      const bool newer = event.kind == DatasetEvent::Kind::Updated || event.kind == DatasetEvent::Kind::Added;
-      if (!newer || !event.visibleTo(tenant) || names.count(event.dataset.name) == 0) return;
+    subscription_ = datasets.observe([seen = seen_](const DatasetEvent&) {
       const std::lock_guard lock(seen->mutex);
-      seen->news = true;
+      seen->events++;
       seen->changed.notify_all();
     });
   }
-  void forget() {
-    const std::lock_guard lock(seen_->mutex);
-    seen_->news = false;
+
+  /// As scenes would show them now. Names of data that are not there are left out.
+  Versions newest() const {
+    Versions versions;
+    for (const std::string& name : names_) {
+      if (!datasets_.find(tenant_, name)) continue;
+      try {
+        const auto held = datasets_.getPinned(tenant_, name);
+        versions[name] = {held.first.key, held.second.generation()};
+      } catch (const Error&) {  // it was dropped just now
+      }
+    }
+    return versions;
   }
-  /// Waits until there are any since forget(). Throws Error if the request is cancelled.
-  void wait(const Request& request) {
-    std::unique_lock lock(seen_->mutex);
-    while (!seen_->changed.wait_for(lock, std::chrono::milliseconds(100), [this] { return seen_->news; })) {
+
+  /// Waits until there are others than these. Throws Error if the request is cancelled.
+  void waitBeyond(const Versions& versions, const Request& request) const {
+    for (;;) {
+      std::unique_lock lock(seen_->mutex);
+      const uint64_t events = seen_->events;
       lock.unlock();
+      if (newest() != versions) return;
       request.check();
       lock.lock();
+      seen_->changed.wait_for(lock, std::chrono::milliseconds(100), [&] { return seen_->events != events; });
     }
   }
 
@@ -117,8 +134,11 @@ class News {
   struct Seen {
     std::mutex mutex;
     std::condition_variable changed;
-    bool news = false;
+    uint64_t events = 0;
   };
+  Datasets& datasets_;
+  const std::string tenant_;
+  std::set<std::string> names_;
   const std::shared_ptr<Seen> seen_ = std::make_shared<Seen>();
   std::shared_ptr<void> wish_, subscription_;
 };
@@ -138,6 +158,9 @@ class CinemaWork {
     columns_.push_back("FILE");
     if (cinema.depth) columns_.push_back("FILE_depth");
   }
+
+  /// What the last picture has shown.
+  const Versions& shown() const { return shown_; }
 
   json run() {
     const auto begin = std::chrono::steady_clock::now();
@@ -180,14 +203,15 @@ class CinemaWork {
     });
     for (const size_t p : order_)
       batch.pictures.push_back({swept_.pictures[p].scene, swept_.pictures[p].camera, {}});
-    batch.filesOf = [this](size_t i, const std::vector<Pin>& data) { return filesOf(order_[i], data); };
+    batch.filesOf = [this](size_t i, const SceneCache::Pinned& data) { return filesOf(order_[i], data); };
     batch.made = [this](size_t i) { made_[order_[i]] = 1; };
     return batch;
   }
 
-  BatchRender::Files filesOf(size_t picture, const std::vector<Pin>& data) {
+  BatchRender::Files filesOf(size_t picture, const SceneCache::Pinned& data) {
     const DataFolders& folders = services_.serverRank.folders;
-    CinemaTable::Row row = swept_.parametersOf(picture, timeCell(data));
+    for (const NamedDataset& d : data.scene->data) shown_[d.name] = {d.key, d.generation};
+    CinemaTable::Row row = swept_.parametersOf(picture, timeCell(data.pins));
     const std::string name = cinemaFileName(row, swept_.time);
     folders.makeFolder(folder_ + "/" + name.substr(0, name.find('/')));
     row.push_back(name + "." + cinema_.format);
@@ -235,6 +259,7 @@ class CinemaWork {
   const SweptPictures& swept_;
   const std::string folder_;
   CinemaTable::Row columns_;
+  Versions shown_;
   std::vector<size_t> order_;           ///< of pictures, those of a scene together
   std::vector<CinemaTable::Row> rows_;  ///< by picture, once its data are known
   std::vector<char> made_;              ///< by picture; each is written once, before the batch ends
@@ -262,9 +287,19 @@ json cinema(Services& services, Request& request, std::string_view document) {
       [&] { request.check(); });
   if (swept.datasets.size() > 1)
     throw Error("cinema: the sweep varies keys of `Datasets`, expected none, as a server makes these once");
-  for (std::string& w : importMissing(request, cinema.state.datasets))
-    cinema.warnings.push_back(std::move(w));
-  json result = CinemaWork(services, request, cinema, swept).run();
+  const News news(*services.serverRank.datasets, request.session().tenant(), cinema.state);
+  json result;
+  Versions shown, last;  // by the last pass; `shown` with what its data are made of
+  for (int64_t steps = 0; steps < cinema.steps;) {
+    if (steps > 0) news.waitBeyond(shown, request);
+    shown = news.newest();
+    CinemaWork work(services, request, cinema, swept);
+    result = work.run();
+    for (const auto& version : work.shown()) shown[version.first] = version.second;
+    for (const json& w : result["warnings"]) cinema.warnings.push_back(w);
+    steps += work.shown() != last;  // data may come in while they are looked at
+    last = work.shown();
+  }
   result["warnings"] = cinema.warnings;
   if (!cinema.warnings.empty())
     result["text"] = result["text"].get<std::string>() + "\n" + linesOf(cinema.warnings);
