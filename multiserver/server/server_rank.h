@@ -46,6 +46,9 @@ struct ServerRankOptions {
   std::chrono::milliseconds rankPatience{10000};  ///< a rank that is silent for this long is missing
   int threads = 2;                                ///< threads of each rank that run its tasks
   int64_t raysInFlight = 1 << 20;                 ///< rays in flight on each rank
+  /// A publisher that waits for this long for the room of a generation that a graph reads or shows gets it: the data become the
+  /// graph's own.
+  std::chrono::milliseconds adoptAfter{1000};
   std::string insituBind = "127.0.0.1";  ///< the address on which each rank takes data of simulations
   Trace* trace = nullptr;  ///< gets requests, works and rendering, unless null; outlives the server rank
 };
@@ -134,6 +137,27 @@ struct ServerRank {
     std::function<nlohmann::json()> list_ = [] { return nlohmann::json::array(); };
     std::function<void()> end_ = [] {};
   } streaming;
+  /// What modules have to end while all ranks still answer. The Server on rank 0 ends it after all sessions. Thread safe.
+  class Endings {
+   public:
+    void add(std::function<void()> end) {
+      const std::lock_guard lock(mutex_);
+      ends_.push_back(std::move(end));
+    }
+    /// Calls each once, and waits for what they wait for.
+    void end() {
+      std::vector<std::function<void()>> ends;
+      {
+        const std::lock_guard lock(mutex_);
+        ends.swap(ends_);
+      }
+      for (const auto& end : ends) end();
+    }
+
+   private:
+    std::mutex mutex_;
+    std::vector<std::function<void()>> ends_;
+  } endings;
   Filters filters;  ///< the standard ones, and those of modules
   const std::unique_ptr<Datasets> datasets;
   const std::unique_ptr<FilterRuns> filterRuns;
