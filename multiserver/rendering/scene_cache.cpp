@@ -209,8 +209,7 @@ ScenePtr SceneCache::getOf(const std::string& tenant, const State& state, const 
   std::string content = tenant + "\n" + text;  // whose memory it takes
   for (const NamedDataset& d : held.data) content += " " + idOf(d);
   if (given)
-    for (const Given& g : *given)
-      for (int c = 0; c < 3; c++) content += " " + numberText(g.color[c]);
+    for (const Given& g : *given) content += " " + json{g.color.r, g.color.g, g.color.b}.dump();
 
   MakingPtr making;
   bool begins = false;

@@ -211,8 +211,8 @@ std::vector<std::pair<NamedDataset, Pin>> Datasets::getPinned(const std::string&
   return pinned;
 }
 
-std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const std::string& name,
-                                              Scope scope, bool ofGraph) const {
+std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const std::string& name, Scope scope,
+                                              bool ofGraph) const {
   const auto entry = serverRank_.directory.find(tenant, name, scope);
   if (!entry) return std::nullopt;
   if (entry->ofGraph && !ofGraph) failOfGraph(name);

@@ -192,7 +192,7 @@ std::vector<Datasets::NewObject> Datasets::newObjects(const Names& names) const 
       continue;
     }
     NamedDataset dataset{
-        d.key, d.name, names.scope_, nameOf(d.type), names.tenant_, names.scope_ == Scope::Shared,
+        d.key, d.name,        names.scope_, nameOf(d.type), names.tenant_, names.scope_ == Scope::Shared,
         1,     names.ofGraph_};
     if (now) {
       dataset.owner = now->owner;  // who has published it for all to write
@@ -223,15 +223,15 @@ void Datasets::publish(Publication& publication, uint64_t exchange) {
   if (serverRank_.rank() != 0) return publication.commit();
   std::vector<NewObject> objects;
   std::unique_lock naming(naming_, std::defer_lock);
-  publication.commit({[&] {
-                        naming.lock();
-                        objects = newObjects(*namesOf(exchange));
-                      },
-                      [&] {
-                        for (const auto& [d, replaced] : objects)
-                          serverRank_.directory.bind(d.name, d.scope,
-                                                     {d.key, d.type, d.owner, d.readOnly, d.ofGraph});
-                      }});
+  publication.commit(
+      {[&] {
+         naming.lock();
+         objects = newObjects(*namesOf(exchange));
+       },
+       [&] {
+         for (const auto& [d, replaced] : objects)
+           serverRank_.directory.bind(d.name, d.scope, {d.key, d.type, d.owner, d.readOnly, d.ofGraph});
+       }});
   for (const auto& [d, replaced] : objects) {
     const std::lock_guard lock(mutex_);
     names_[d.key] = {d.name, d.scope};

@@ -49,8 +49,9 @@ struct MakeWork {
   }
 
   using TakeMemory = std::function<LedgerEntry(const std::string& purpose, int64_t bytes)>;
-  FilterResult evaluated(ServerRank& serverRank, Exchanges::Part& part, std::vector<Pin>& pins,
-                         const TakeMemory& takeMemory, const std::function<void()>& taken = [] {}) const {
+  FilterResult evaluated(
+      ServerRank& serverRank, Exchanges::Part& part, std::vector<Pin>& pins, const TakeMemory& takeMemory,
+      const std::function<void()>& taken = [] {}) const {
     FilterRun::Inputs inputs;
     std::shared_ptr<const Filter> found;
     agree(part.ranks, [&] {
@@ -183,16 +184,17 @@ FilterRuns::Evaluated FilterRuns::evaluate(const Asker& asker, const Evaluation&
   const auto exchange = serverRank_.exchanges.beginLong(what.tenant, asker);
   what.begun(*exchange);
   EvaluateWork work;
-  work.make = {*exchange, json::array(), what.filter, what.properties,
-               what.tenant, serverRank_.tenants.number(what.tenant), {}};
+  work.make = {*exchange,   json::array(),
+               what.filter, what.properties,
+               what.tenant, serverRank_.tenants.number(what.tenant),
+               {}};
   work.label = what.label;
   work.purpose = what.purpose;
   if (filter->schema.makes) work.key = serverRank_.keys.next().value;
   {
     std::vector<Pin> pins;
     for (Evaluation::Source& source : what.sources()) {
-      work.make.sources.push_back(
-          {source.input, source.name, source.data.key.value, source.data.generation});
+      work.make.sources.push_back({source.input, source.name, source.data.key.value, source.data.generation});
       pins.push_back(std::move(source.pin));
     }
     const std::lock_guard lock(mutex_);
@@ -206,9 +208,8 @@ FilterRuns::Evaluated FilterRuns::evaluate(const Asker& asker, const Evaluation&
   json parameters;
   to_json(parameters, work);
   const auto replies = std::make_shared<std::promise<std::vector<Work::Reply>>>();
-  serverRank_.work.broadcast(EvaluateWork::name, parameters, [replies](std::vector<Work::Reply> all) {
-    replies->set_value(std::move(all));
-  });
+  serverRank_.work.broadcast(EvaluateWork::name, parameters,
+                             [replies](std::vector<Work::Reply> all) { replies->set_value(std::move(all)); });
   std::vector<Work::Reply> all = replies->get_future().get();
   for (const Work::Reply& reply : all)
     if (reply.ok() && reply.result.contains("no room"))
