@@ -145,7 +145,8 @@ class DocumentReading {
           throw Error("`name` is missing, expected one by which views call it");
         if (!operators_.emplace(name.get<std::string>(), all[i]).second)
           throw Error("there are two of this name, expected each name once");
-        stateOf({{"operators", {plain(all[i])}}}, json(), path);  // also of those that no view has
+        stateOf({{"operators", json::array({plain(all[i])})}}, json(),
+                path);  // also of those that no view has
       });
     }
   }
@@ -158,7 +159,7 @@ class DocumentReading {
   void readSettings() {
     if (!out_.json.contains("Renderer")) return;
     attempt("Renderer", [&] {
-      StateFile read = readState_(protocol::dump({{"Renderer", out_.json["Renderer"]}}), "Renderer");
+      StateFile read = readState_(protocol::dump(json{{"Renderer", out_.json["Renderer"]}}), "Renderer");
       out_.settings = read.state.settings;
       for (const std::string& w : read.warnings)
         out_.warnings.push_back("Renderer: " + withoutPlace(w, "Renderer"));
@@ -167,7 +168,7 @@ class DocumentReading {
 
   /// Reads a visualization as a state file has it, with the types of datasets that are known.
   State stateOf(const json& visualization, const json& camera, const std::string& path) {
-    json state{{"Datasets", json::array()}, {"Visualizations", {visualization}}};
+    json state{{"Datasets", json::array()}, {"Visualizations", json::array({visualization})}};
     for (const DatasetSpec& d : out_.flow.datasets) {
       std::optional<DatasetType> type = d.type;
       if (!d.filter.empty()) {
@@ -177,7 +178,7 @@ class DocumentReading {
       if (type && !d.name.empty())
         state["Datasets"].push_back({{"name", d.name}, {"type", nameOf(*type)}, {"filename", "-"}});
     }
-    if (!camera.is_null()) state["Cameras"] = camera;
+    if (!camera.is_null()) state["Cameras"] = json::array({camera});
     StateFile read = readState_(protocol::dump(state), path);
     for (const std::string& w : read.warnings)
       if (w.find("no dataset ") == std::string::npos)  // states of nodes say that

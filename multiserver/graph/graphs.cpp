@@ -143,9 +143,11 @@ void Graphs::drop(const std::string& tenant, const std::string& name) {
 }
 
 void Graphs::onDataset(const DatasetEvent& event) {
-  if (event.kind == DatasetEvent::Kind::Skipped || event.dataset.ofGraph) return;
-  for (const auto& graph : all())
-    if (event.visibleTo(graph->tenant())) graph->onData();
+  if (event.kind == DatasetEvent::Kind::Skipped) return;
+  for (const auto& graph : all()) {
+    const bool isOwn = event.dataset.ofGraph && event.dataset.name.starts_with(graph->name() + "/");
+    if (event.visibleTo(graph->tenant()) && !isOwn) graph->onData();
+  }
 }
 
 void Graphs::wake() {

@@ -11,6 +11,7 @@
 #include "core/scene/json_text.h"
 #include "core/scene/state_file.h"
 #include "multiserver/modules/viewer/batch.h"
+#include "multiserver/modules/viewer/members.h"
 #include "multiserver/modules/viewer/pick.h"
 #include "multiserver/modules/viewer/window.h"
 #include "multiserver/protocol/json.h"
@@ -108,63 +109,6 @@ uint32_t windowId(Arguments& arguments) {
     arguments.fail("a window's ID is an integer from 1 to 4294967295");
   return uint32_t(*number);
 }
-
-/// Members of a request's JSON object, with messages; every one that is there must be asked for.
-class Members {
- public:
-  Members(DocumentReader& reader, const std::optional<std::string_view>& text, std::string what)
-      : object_(text ? reader.object(*text, what) : json::object()), what_(std::move(what)) {}
-
-  const json* find(const char* key) {
-    known_ += (known_.empty() ? "`" : ", `") + std::string(key) + "`";
-    const auto at = object_.find(key);
-    asked_ += at != object_.end();
-    return at == object_.end() ? nullptr : &*at;
-  }
-  int64_t integer(const char* key, int64_t fallback, int64_t least, int64_t most) {
-    const json* value = find(key);
-    return value ? integerIn(*value, key, least, most) : fallback;
-  }
-  int64_t integerIn(const json& value, const char* key, int64_t least, int64_t most) {
-    if (!value.is_number_integer() || value.get<int64_t>() < least || value.get<int64_t>() > most)
-      fail(key, "an integer from " + std::to_string(least) + " to " + std::to_string(most), value);
-    return value.get<int64_t>();
-  }
-  bool flag(const char* key, bool fallback) {
-    const json* value = find(key);
-    if (value && !value->is_boolean()) fail(key, "true or false", *value);
-    return value ? value->get<bool>() : fallback;
-  }
-  std::string oneOf(const char* key, const std::vector<std::string>& choices) {
-    const json* value = find(key);
-    if (!value) return choices.front();
-    std::string all;
-    for (const std::string& choice : choices) {
-      if (*value == choice) return choice;
-      all += (all.empty() ? "\"" : " or \"") + choice + "\"";
-    }
-    fail(key, all, *value);
-  }
-  std::string text(const char* key, const std::string& fallback) {
-    const json* value = find(key);
-    if (value && !value->is_string()) fail(key, "text", *value);
-    return value ? value->get<std::string>() : fallback;
-  }
-  void expectNoMore() const {
-    if (asked_ != object_.size())
-      throw Error(what_ + ": there are keys that mean nothing here, expected none but " + known_);
-  }
-  [[noreturn]] void fail(const char* key, const std::string& expected, const json& found) const {
-    throw Error(what_ + ": `" + key + "`: expected " + expected + ", found " +
-                inQuotes(protocol::dump(found).substr(0, 60)));
-  }
-
- private:
-  const json object_;
-  const std::string what_;
-  std::string known_;
-  size_t asked_ = 0;
-};
 
 json windowVerb(Services& services, Request& request, Arguments arguments) {
   Session& session = request.session();
@@ -473,7 +417,33 @@ json scene(Services& services, Request& request, Arguments arguments) {
   return result;
 }
 
+// `show ID {"graph": ..., "view": ...}`: a window on a view of a graph; nothing if something else is to be shown.
+std::optional<json> showView(Services& services, Request& request, Arguments arguments) {
+  Arguments words = arguments;
+  words.expectWord();
+  if (words.word()) return std::nullopt;
+  const auto text = words.json();
+  DocumentReader reader(request);
+  if (!text || !reader.object(*text, "show").contains("graph")) return std::nullopt;
+  Session& session = request.session();
+  const uint32_t id = windowId(arguments);
+  Members members(reader, arguments.json(), "show");
+  const std::string name = members.text("graph", ""), view = members.text("view", "");
+  if (view.empty()) throw Error("show: `view` is missing, expected the name of a view of the graph");
+  members.expectNoMore();
+  const auto graph = services.graphs->get(session.tenant(), name);
+  const auto windows = windowsOf(session);
+  const bool isNew = windows->all().count(id) == 0;
+  const WindowPtr window = windows->make(id, services, session.sharedOutbox());
+  const auto size = graph->content(view).size;
+  if (isNew && size && uint64_t(size->x) * uint64_t(size->y) <= session.limits().pixels)
+    window->setSettings({*size, false});
+  window->setGraph(graph, view);
+  return json{{"window", id}, {"graph", name}, {"view", view}, {"text", ""}};
+}
+
 json show(Services& services, Request& request, Arguments arguments) {
+  if (auto shown = showView(services, request, arguments)) return *std::move(shown);
   std::vector<std::string> names;
   glm::ivec2 size = Camera().dimensions;
   BatchRender batch;
@@ -530,8 +500,9 @@ GALAXY_MODULE(registration) {
            Order::InTurn, camera));
   registration.verb(verb("scene", "NAME... [JSON]", "A state document that shows datasets or data files.",
                          Order::Aside, [&s](Request& r, Arguments a) { return scene(s, r, std::move(a)); }));
-  registration.verb(verb("show", "NAME... [JSON]", "Sends a picture of datasets or data files.", Order::Aside,
-                         [&s](Request& r, Arguments a) { return show(s, r, std::move(a)); }));
+  registration.verb(verb("show", "NAME... [JSON] | ID {\"graph\": NAME, \"view\": NAME}",
+                         "Sends a picture of datasets or data files; or has a window show a view of a graph.",
+                         Order::Aside, [&s](Request& r, Arguments a) { return show(s, r, std::move(a)); }));
   registration.verb(verb("batch", "JSON", "Renders every visualization with every camera of a state.",
                          Order::Aside, [&s](Request& r, Arguments a) { return batch(s, r, std::move(a)); }));
 }
