@@ -32,9 +32,10 @@ std::vector<std::string> Graph::setDocument(const json& document, const StateRea
   const std::lock_guard editing(editing_);
   GraphDocument read = readGraphDocument(name_, document, services_.serverRank.filters, readState);
   std::vector<std::string> warnings = read.warnings;
+  LedgerEntry memory = roomFor(read);
   const std::lock_guard lock(mutex_);
   checkNotEnded();
-  commit(std::move(read), false, nullptr);
+  commit(std::move(read), std::move(memory), false, nullptr);
   return warnings;
 }
 
@@ -50,22 +51,32 @@ json Graph::edit(const json& edits, bool live, const Client& by, const StateRead
   GraphDocument read =
       readGraphDocument(name_, std::move(made.document), services_.serverRank.filters, readState);
   json warnings = read.warnings;
+  LedgerEntry memory = roomFor(read);
   const std::lock_guard lock(mutex_);
   checkNotEnded();
-  commit(std::move(read), live,
+  commit(std::move(read), std::move(memory), live,
          {{"event", "graph"}, {"graph", name_}, {"by", by.json()}, {"edits", edits}, {"live", live}});
   return {{"revision", revision_}, {"inverse", std::move(made.inverse)}, {"warnings", std::move(warnings)}};
 }
 
-// With the lock held, like all that follow here without a lock of their own.
-void Graph::commit(GraphDocument document, bool live, const json& event) {
+// Of what a document takes. Outputs that nothing shows have to give way.
+LedgerEntry Graph::roomFor(const GraphDocument& document) {
   constexpr int64_t kBytesOfACharacter = 4;
   const auto bytes = int64_t(protocol::dump(document.json).size()) * kBytesOfACharacter;
-  LedgerEntry memory = services_.serverRank.takeMemory(tenant_, "graph " + name_, bytes);
+  for (;;) try {
+      return services_.serverRank.takeMemory(tenant_, "graph " + name_, bytes);
+    } catch (const Error&) {
+      if (!giveUpOldest()) throw;
+    }
+}
+
+// With the lock held, like all that follow here without a lock of their own.
+void Graph::commit(GraphDocument document, LedgerEntry memory, bool live, const json& event) {
   try {
     flow_.edit(document.flow, live);
   } catch (const Error& e) {
-    throw Error(std::string("document: ") + e.what());
+    const DocumentProblem problem = problemOf(e.what());
+    throw Error(problem.path + ": " + problem.text);
   }
   document_ = std::move(document);
   documentMemory_ = std::move(memory);

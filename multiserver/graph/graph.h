@@ -123,7 +123,8 @@ class Graph : public std::enable_shared_from_this<Graph> {
 
   // graph.cpp: what it is told
   void checkNotEnded() const;
-  void commit(GraphDocument document, bool live, const nlohmann::json& event);
+  LedgerEntry roomFor(const GraphDocument& document);
+  void commit(GraphDocument document, LedgerEntry memory, bool live, const nlohmann::json& event);
   void dropWhatTheDocumentHasNot();
   void lookAtData();
   void wantNews();
@@ -146,7 +147,8 @@ class Graph : public std::enable_shared_from_this<Graph> {
   void adopt(uint64_t hold, const std::shared_ptr<KeptData>& kept);
   void fetch(const DatasetSpec& spec, const std::shared_ptr<Running>& running);
   void evaluate(const flow::StartEvaluation& action, const std::shared_ptr<Running>& running);
-  bool makeRoom(const std::shared_ptr<Running>& running);
+  bool giveUpOldest();
+  void giveName(const std::string& node, const flow::NodeKey& key);
   std::vector<FilterRuns::Evaluation::Source> sourcesOf(const flow::StartEvaluation& action) const;
   Asker askerFor(uint64_t evaluation, const std::shared_ptr<Running>& running);
   std::shared_ptr<KeptData> keptSource(const flow::SourceGeneration& id) const;

@@ -29,7 +29,7 @@ Failure failureOf(const std::string& text) {
 
 }  // namespace
 
-// Functions here are called with the lock held, but for adopt(), fetch(), evaluate() and makeRoom(), which wait.
+// Functions here are called with the lock held, but for adopt(), fetch(), evaluate() and giveUpOldest(), which wait.
 
 void Graph::act() {
   for (std::vector<flow::Action> actions = flow_.take(); !actions.empty(); actions = flow_.take())
@@ -250,7 +250,7 @@ void Graph::evaluate(const flow::StartEvaluation& action, const std::shared_ptr<
       made = serverRank.filterRuns->evaluate(askerFor(action.evaluation, running), what);
     } catch (const NoRoom& e) {
       error = e.what();
-      again = makeRoom(running);
+      again = !running->isCancelled && giveUpOldest();
     } catch (const std::exception& e) {
       error = textOf(e);
     }
@@ -271,6 +271,7 @@ void Graph::evaluate(const flow::StartEvaluation& action, const std::shared_ptr<
     output->made.generation = ++generations_[action.node];
     services_.outputs.add(tenant_, action.key, output);
     outputs_[action.key] = output;
+    if (!running->isCancelled) giveName(action.node, action.key);
     flow_.finished(action.evaluation, output->made);
   } else if (running->isCancelled) {
     flow_.cancelled(action.evaluation);
@@ -282,11 +283,11 @@ void Graph::evaluate(const flow::StartEvaluation& action, const std::shared_ptr<
 }
 
 // Gives up the output that was used longest ago, of those that nobody needs. Without the lock.
-bool Graph::makeRoom(const std::shared_ptr<Running>& running) {
+bool Graph::giveUpOldest() {
   std::vector<std::shared_ptr<const GraphOutput>> before, after;
   {
     const std::lock_guard lock(mutex_);
-    if (isEnded_ || running->isCancelled) return false;
+    if (isEnded_) return false;
     for (const auto& [key, output] : outputs_) before.push_back(output);
     if (!flow_.makeRoom()) return false;
     act();
@@ -352,16 +353,18 @@ void Graph::carryOut(const flow::HoldPicture& action) {
   viewsChanged();
 }
 
+// The name GRAPH/NODE means what the node was made last, or what it has found again.
+void Graph::giveName(const std::string& node, const flow::NodeKey& key) {
+  const auto output = outputs_.find(key);
+  if (output == outputs_.end() || !output->second->object || !document_.dataset(node)) return;
+  const Key object = output->second->object->key();
+  services_.serverRank.datasets->nameOfGraph(tenant_, name_ + "/" + node, object, output->second->type);
+  named_[node] = {key, object};
+}
+
 void Graph::carryOut(const flow::ChangeState& action) {
-  if (action.node.kind == flow::NodeId::Kind::Dataset && action.state.output) {
-    const auto output = outputs_.find(*action.state.output);
-    if (output != outputs_.end() && output->second->object) {
-      const Key key = output->second->object->key();
-      services_.serverRank.datasets->nameOfGraph(tenant_, name_ + "/" + action.node.name, key,
-                                                 output->second->type);
-      named_[action.node.name] = {*action.state.output, key};
-    }
-  }
+  if (action.node.kind == flow::NodeId::Kind::Dataset && action.state.output)
+    giveName(action.node.name, *action.state.output);
   tellNode(action.node);
 }
 

@@ -285,6 +285,19 @@ class DocumentReading {
 
 }  // namespace
 
+DocumentProblem problemOf(const std::string& flowError) {
+  for (const auto& [kind, section] :
+       {std::pair{"dataset \"", "Datasets"}, std::pair{"view \"", "Visualizations"}}) {
+    const std::string begin = kind;
+    const size_t end = flowError.find('"', begin.size());
+    if (!flowError.starts_with(begin) || end == std::string::npos) continue;
+    const std::string named = flowError.substr(0, end + 1);
+    return {std::string(section) + "[" + named.substr(begin.size() - 1) + "]",
+            withoutPlace(flowError, named)};
+  }
+  return {"document", flowError};
+}
+
 const DatasetSpec* GraphDocument::dataset(const std::string& name) const {
   for (const DatasetSpec& d : flow.datasets)
     if (d.name == name) return &d;

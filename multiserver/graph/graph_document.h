@@ -43,6 +43,9 @@ struct DocumentProblem {
 /// Reads a state document, with the files that it names. `what` is its name in messages.
 using StateReader = std::function<StateFile(std::string_view text, const std::string& what)>;
 
+/// Returns what an error of flow::CompiledDocument or flow::Flow::edit() says, with the path of the dataset or the view that it names.
+DocumentProblem problemOf(const std::string& flowError);
+
 inline constexpr size_t kMostDocumentBytes = size_t(1) << 20;
 inline constexpr size_t kMostDocumentDepth = 32;
 

@@ -74,7 +74,7 @@ struct GraphClient {
       events.push_back(event);
     };
     client = std::make_unique<Client>(options);
-    for (const char* module : {"graph", "data", "viewer", "analysis"})
+    for (const char* module : {"data", "graph", "viewer", "analysis"})
       client->expect(std::string("load ") + module);
   }
   nlohmann::json say(const std::string& statement) { return client->expect(statement); }
@@ -83,7 +83,8 @@ struct GraphClient {
     return say("graph.edit g " + nlohmann::json{{"edits", edits}, {"live", live}}.dump());
   }
   nlohmann::json node(const std::string& name, const std::string& kind = "dataset") {
-    for (const nlohmann::json& node : say("graph.get g").at("nodes"))
+    const nlohmann::json graph = say("graph.get g");
+    for (const nlohmann::json& node : graph.at("nodes"))
       if (node.at("node") == name && node.at("kind") == kind) return node;
     return nullptr;
   }
@@ -92,6 +93,13 @@ struct GraphClient {
   }
   void untilState(const std::string& name, const std::string& expected, const std::string& kind = "dataset") {
     until([&] { return state(name, kind) == expected; }, (name + " is " + expected).c_str());
+  }
+  /// Whether the ledger of a rank has memory for this purpose.
+  bool hasMemory(int rank, const std::string& purpose) {
+    const nlohmann::json stat = say("stat");
+    for (const nlohmann::json& line : stat.at("ranks").at(size_t(rank)).at("memory").at("by purpose"))
+      if (line.at("purpose") == purpose) return true;
+    return false;
   }
   /// Waits for an event that `wanted` accepts, and returns it.
   template <class F>
@@ -173,6 +181,15 @@ inline nlohmann::json madeBy(const std::string& filter, const std::string& name,
                              nlohmann::json properties = nlohmann::json::object()) {
   properties.update({{"name", name}, {"filter", filter}, {"inputs", inputs}});
   return properties;
+}
+/// A node of filter Held.
+inline nlohmann::json copyOf(const std::string& name, const std::string& of, int number = 0) {
+  return madeBy("Held", name, {{"field", of}}, {{"number", number}});
+}
+/// The request for a graph `g`.
+inline std::string newGraph(const nlohmann::json& datasets,
+                            const nlohmann::json& views = nlohmann::json::array()) {
+  return "graph.new g " + nlohmann::json{{"Datasets", datasets}, {"Visualizations", views}}.dump();
 }
 inline nlohmann::json viewOf(const std::string& name, const std::vector<std::string>& volumes) {
   nlohmann::json view = nlohmann::json::parse(stateOf("ball")).at("Visualization");

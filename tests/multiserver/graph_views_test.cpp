@@ -7,14 +7,6 @@ namespace {
 
 using nlohmann::json;
 
-std::string made(const json& datasets, const json& views) {
-  return "graph.new g " + json{{"Datasets", datasets}, {"Visualizations", views}}.dump();
-}
-
-json copyOf(const std::string& name, const std::string& of, int number = 0) {
-  return madeBy("Held", name, {{"field", of}}, {{"number", number}});
-}
-
 /// A document's picture in a window that shows datasets by their names.
 std::vector<uint8_t> plainPicture(GraphClient& c, json view) {
   const json camera = view.at("camera");
@@ -41,7 +33,7 @@ TEST(GraphViews, ShowTheSamePictureAsTheirDataByName) {
     const auto server = serveGraphs(ranks);
     GraphClient c(*server);
     c.say(importBall("ball"));
-    c.say(made({liveVolume("ball"), seeds}, json::array({particlesView()})));
+    c.say(newGraph({liveVolume("ball"), seeds}, json::array({particlesView()})));
     c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
     c.untilState("v", "done", "view");
     EXPECT_EQ(c.say("windows").at("windows").at(0).at("size"), (json{96, 80}));
@@ -55,7 +47,7 @@ TEST(GraphViews, ShowTheSamePictureAsTheirDataByName) {
     EXPECT_EQ(picture, plainPicture(c, particlesView()));
     if (expected.empty()) expected = picture;
     EXPECT_EQ(picture, expected) << ranks;
-    EXPECT_EQ(c.say("pick 1 48 40").at("dataset"), "seeds");
+    EXPECT_EQ(c.say("pick 1 48 40").at("dataset"), "ball");
   }
 }
 
@@ -63,7 +55,7 @@ TEST(GraphViews, FollowEditsOfLooksAndColours) {
   const auto server = serveGraphs(2);
   GraphClient c(*server);
   c.say(importBall("ball"));
-  c.say(made(
+  c.say(newGraph(
       {liveVolume("ball"), madeBy("Seeds", "seeds", {{"domain", "ball"}}, {{"shape", "line"}, {"count", 6}})},
       json::array({particlesView()})));
   c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
@@ -89,7 +81,7 @@ TEST(GraphViews, FollowTheirData) {
   writeBall(server->folder().path().string(), "twice", 16, 2);
   GraphClient c(*server);
   c.say(importBall("ball"));
-  c.say(made({liveVolume("ball"), copyOf("copy", "ball")}, json::array({viewOf("v", {"copy"})})));
+  c.say(newGraph({liveVolume("ball"), copyOf("copy", "ball")}, json::array({viewOf("v", {"copy"})})));
   c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
   c.untilState("v", "done", "view");
   EXPECT_EQ(c.screen.waitFor(1, c.say("render 1").at("frame")).status, "complete");
@@ -106,7 +98,7 @@ TEST(GraphViews, FollowTheirData) {
 TEST(GraphViews, ThatHaveNothingToShowSayWhy) {
   const auto server = serveGraphs(1);
   GraphClient c(*server);
-  c.say(made({liveVolume("ball"), copyOf("copy", "ball", 13)}, json::array({viewOf("v", {"copy"})})));
+  c.say(newGraph({liveVolume("ball"), copyOf("copy", "ball", 13)}, json::array({viewOf("v", {"copy"})})));
   c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
   EXPECT_NE(c.error("render 1").find("window 1: its data are not there yet"), std::string::npos);
   c.say(importBall("ball"));
@@ -125,7 +117,7 @@ TEST(GraphViews, WithoutAWindowNothingRuns) {
   const auto server = serveGraphs(1);
   GraphClient c(*server);
   c.say(importBall("ball"));
-  c.say(made({liveVolume("ball"), copyOf("copy", "ball")}, json::array({viewOf("v", {"copy"})})));
+  c.say(newGraph({liveVolume("ball"), copyOf("copy", "ball")}, json::array({viewOf("v", {"copy"})})));
   c.say("graph.wait g");
   EXPECT_EQ(Held::gate().begun, 0);
   c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
@@ -149,7 +141,7 @@ TEST(GraphViews, OfAnAdoptedStepTurnOnWhileThePublisherGoesOn) {
   fields.publish("ball");
   json view = viewOf("v", {"p"});
   view["follow"] = false;
-  c.say(made({liveVolume("p")}, json::array({view})));
+  c.say(newGraph({liveVolume("p")}, json::array({view})));
   c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
   c.untilState("v", "done", "view");
   EXPECT_EQ(c.screen.waitFor(1, c.say("render 1").at("frame")).status, "complete");

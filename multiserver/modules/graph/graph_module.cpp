@@ -181,7 +181,7 @@ json check(Graphs& graphs, Request& request, Arguments arguments) {
   if (problems.empty()) try {
       const flow::CompiledDocument compiled(read.flow, filters);
     } catch (const Error& e) {
-      problems.push_back({"document", e.what()});
+      problems.push_back(problemOf(e.what()));
     }
   json errors = json::array();
   std::string text = problems.empty() ? "nothing is wrong" : "";
