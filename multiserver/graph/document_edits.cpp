@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "multiserver/graph/document_edits.h"
 
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <string>
@@ -13,7 +15,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kMostSteps = 64;  // of a path
+constexpr size_t kMostSteps = 64;    // of a path
+constexpr size_t kMostEdits = 1000;  // of a request
 
 std::string found(const json& value) {
   return inQuotes(value.dump(-1, ' ', false, json::error_handler_t::replace));
@@ -34,7 +37,9 @@ std::optional<size_t> placeIn(const json& list, const json& step) {
 /// One edit of a document.
 class Edit {
  public:
-  Edit(json& document, json& inverse) : document_(document), inverse_(inverse) {}
+  /// `isWhole` becomes true where only the whole document of before undoes an edit.
+  Edit(json& document, json& inverse, bool& isWhole)
+      : document_(document), inverse_(inverse), isWhole_(isWhole) {}
 
   void apply(const json& edit) {
     if (!edit.is_object()) throw Error("expected an object, found " + found(edit));
@@ -91,7 +96,7 @@ class Edit {
     const json& to = edit.at("to");
     if (path.empty()) {
       if (!to.is_object()) throw Error("set: the document is an object, found " + found(to));
-      inverse_.push_back({{"set", path}, {"to", document_}});
+      isWhole_ = true;
       document_ = to;
       return;
     }
@@ -156,6 +161,7 @@ class Edit {
 
   json& document_;
   json& inverse_;
+  bool& isWhole_;
 };
 
 /// Gives names that refer to an element another one.
@@ -236,7 +242,7 @@ void Edit::rename(const json& path, const json& edit) {
   References references(document_, section);
   // Names that would be taken for those that are changed here cannot be told apart later.
   if (references.replace(name, "") > 0)
-    inverse_.push_back({{"set", json::array()}, {"to", document_}});
+    isWhole_ = true;
   else
     inverse_.push_back({{"rename", json{section, name}}, {"to", from}});
   element["name"] = name;
@@ -258,14 +264,21 @@ std::string pathText(const json& path) {
 EditedDocument edited(const json& document, const json& edits) {
   if (!edits.is_array() || edits.empty())
     throw Error("edit: `edits`: expected a list of edits, found " + found(edits));
+  if (edits.size() > kMostEdits)
+    throw Error("edit: there are " + std::to_string(edits.size()) + " edits, expected at most " +
+                std::to_string(kMostEdits) + " in one request");
   EditedDocument out{document, json::array()};
   json inverse = json::array();
+  bool isWhole = false;
   for (size_t i = 0; i < edits.size(); i++) try {
-      Edit(out.document, inverse).apply(edits[i]);
+      Edit(out.document, inverse, isWhole).apply(edits[i]);
     } catch (const Error& e) {
       throw Error("edit: `edits`[" + std::to_string(i) + "]: " + e.what());
     }
-  for (auto it = inverse.rbegin(); it != inverse.rend(); ++it) out.inverse.push_back(std::move(*it));
+  if (isWhole)
+    out.inverse.push_back({{"set", json::array()}, {"to", document}});
+  else
+    std::move(inverse.rbegin(), inverse.rend(), std::back_inserter(out.inverse));
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include "multiserver/graph/graph.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
@@ -196,7 +197,7 @@ bool Graph::waitUntilIdle(std::chrono::duration<double> patience, const std::fun
     checkNotEnded();
     const bool fetches = std::any_of(fetched_.begin(), fetched_.end(),
                                      [](const auto& item) { return item.second.isUnderWay; });
-    if (!flow_.isBusy() && !fetches && !lookIsPosted_) return true;
+    if (!flow_.isBusy() && !fetches && !isLookPosted()) return true;
     if (Clock::now() >= until) return false;
     changed_.wait_for(lock, std::chrono::milliseconds(50));
   }
@@ -268,31 +269,44 @@ ViewContent Graph::content(const std::string& view) const {
 
 // Data.
 
+// It and those that observe data need no lock.
 void Graph::post(std::function<void()> task) {
-  tasks_++;
+  {
+    const std::lock_guard lock(tasksMutex_);
+    tasks_++;
+  }
   services_.serverRank.transport.postWaiting([self = shared_from_this(), task = std::move(task)] {
     try {
       task();
-    } catch (const Error&) {
+    } catch (const std::exception&) {
       // Ranks do not answer any more, and there is nobody to be told.
     }
-    const std::lock_guard lock(self->mutex_);
+    const std::lock_guard lock(self->tasksMutex_);
     self->tasks_--;
-    self->changed_.notify_all();
+    self->tasksEnded_.notify_all();
   });
 }
 
 void Graph::onData() {
-  const std::lock_guard lock(mutex_);
-  if (isEnded_ || lookIsPosted_) return;
-  lookIsPosted_ = true;
+  {
+    const std::lock_guard lock(tasksMutex_);
+    if (takesNoTasks_ || std::exchange(lookIsPosted_, true)) return;
+  }
   post([this] {
-    const std::lock_guard again(mutex_);
-    lookIsPosted_ = false;
+    const std::lock_guard lock(mutex_);
+    {
+      const std::lock_guard tasks(tasksMutex_);
+      lookIsPosted_ = false;
+    }
     if (isEnded_) return;
     lookAtData();
     act();
   });
+}
+
+bool Graph::isLookPosted() const {
+  const std::lock_guard lock(tasksMutex_);
+  return lookIsPosted_;
 }
 
 // Sees all live sources at one moment, so what was published together comes together.
@@ -324,13 +338,15 @@ void Graph::lookAtData() {
 }
 
 void Graph::onWanted(const flow::SourceGeneration& generation) {
-  const std::lock_guard lock(mutex_);
-  const bool isHeld = std::any_of(heldIds_.begin(), heldIds_.end(),
-                                  [&](const auto& item) { return item.second == generation; });
-  if (isEnded_ || !isHeld || !wanted_.insert(generation).second) return;
+  {
+    const std::lock_guard lock(tasksMutex_);
+    if (takesNoTasks_) return;
+  }
   post([this, generation] {
-    const std::lock_guard again(mutex_);
-    if (isEnded_) return;
+    const std::lock_guard lock(mutex_);
+    const bool isHeld = std::any_of(heldIds_.begin(), heldIds_.end(),
+                                    [&](const auto& item) { return item.second == generation; });
+    if (isEnded_ || !isHeld || !wanted_.insert(generation).second) return;
     flow_.wanted(generation);
     act();
     services_.wake();
@@ -356,7 +372,7 @@ void Graph::wantNews() {
 void Graph::end() {
   const std::lock_guard editing(editing_);
   {
-    std::unique_lock lock(mutex_);
+    const std::lock_guard lock(mutex_);
     if (isEnded_) return;
     isEnded_ = true;
     wish_ = nullptr;
@@ -365,7 +381,12 @@ void Graph::end() {
     viewsChanged();
     send({{"event", "graph"}, {"graph", name_}, {"revision", revision_}, {"dropped", true}});
     watchers_.clear();
-    changed_.wait(lock, [this] { return tasks_ == 0; });
+    changed_.notify_all();
+  }
+  {
+    std::unique_lock lock(tasksMutex_);
+    takesNoTasks_ = true;
+    tasksEnded_.wait(lock, [this] { return tasks_ == 0; });
   }
   release();
 }

@@ -129,6 +129,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   void lookAtData();
   void wantNews();
   void post(std::function<void()> task);
+  bool isLookPosted() const;
   void viewsChanged();
   void release();
 
@@ -172,8 +173,12 @@ class Graph : public std::enable_shared_from_this<Graph> {
   LedgerEntry documentMemory_;
   uint64_t revision_ = 0;
   bool isEnded_ = false;
+
+  // Observers of data call the graph while others, also other graphs, hold their locks. So they take only this lock, after mutex_.
+  mutable std::mutex tasksMutex_;
+  std::condition_variable tasksEnded_;
   size_t tasks_ = 0;  ///< posted ones that have not ended
-  bool lookIsPosted_ = false;
+  bool lookIsPosted_ = false, takesNoTasks_ = false;
 
   std::set<std::string> there_;  ///< live sources of which there are data
   std::map<uint64_t, std::shared_ptr<KeptData>> holds_;

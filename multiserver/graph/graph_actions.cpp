@@ -82,8 +82,8 @@ void Graph::adopt(uint64_t hold, const std::shared_ptr<KeptData>& kept) {
                                        {"tenant", tenant_},
                                        {"purpose", "graph " + name_}});
     object = std::make_shared<OwnedObject>(serverRank, key);
-  } catch (const Error& e) {
-    refused = e.what();
+  } catch (const std::exception& e) {
+    refused = textOf(e);
   }
   const std::lock_guard lock(mutex_);
   const auto held = heldIds_.find(hold);
@@ -124,8 +124,8 @@ void Graph::fetch(const DatasetSpec& spec, const std::shared_ptr<Running>& runni
     const auto [d, pin] = datasets.getPinned(tenant_, what.specs[0].name);
     const auto dataset = pin.get<Dataset>();
     data = flow::SourceData{{d.key, d.generation}, typeOf(*dataset), dataset->origins};
-  } catch (const Error& e) {
-    error = e.what();
+  } catch (const std::exception& e) {
+    error = textOf(e);
   }
   const std::lock_guard lock(mutex_);
   const auto found = fetched_.find(spec.name);

@@ -9,6 +9,7 @@
 #include "core/comm/error_text.h"
 #include "core/scene/dataset_type.h"
 #include "core/scene/filter_schema.h"
+#include "core/scene/json_text.h"
 #include "multiserver/protocol/json.h"
 #include "multiserver/rendering/cost.h"
 #include "multiserver/server/datasets.h"
@@ -127,6 +128,9 @@ class DocumentReading {
         StateFile read = readDatasetEntries(protocol::dump(all[i]), path, nullptr);
         DatasetSpec& dataset = read.state.datasets.at(0);
         checkDatasetName(graph_ + "/" + dataset.name);
+        if (dataset.isLive() && dataset.name.starts_with(graph_ + "/"))
+          throw Error("`name`: expected data of others; names that begin with " + inQuotes(graph_ + "/") +
+                      " are of what this graph makes");
         for (const std::string& w : read.warnings)
           out_.warnings.push_back(path + ": " + withoutPlace(w, path));
         out_.flow.datasets.push_back(std::move(dataset));
@@ -284,6 +288,22 @@ class DocumentReading {
 };
 
 }  // namespace
+
+StateReader stateReaderOf(ServerRank& serverRank, const std::string& tenant) {
+  return [&serverRank, tenant](std::string_view text, const std::string& what) {
+    std::vector<LedgerEntry> memory;
+    const auto makeRoom = [&](std::string_view content) {
+      memory.push_back(serverRank.takeMemory(tenant, "documents", parsingBytes(content)));
+    };
+    makeRoom(text);
+    const NamedFileReader readFile = [&](const std::string& name) {
+      std::string content = serverRank.folders.textOf(name, int64_t(kMaxJsonBytes));
+      makeRoom(content);
+      return content;
+    };
+    return readState(text, what, readFile, &serverRank.filters);
+  };
+}
 
 DocumentProblem problemOf(const std::string& flowError) {
   for (const auto& [kind, section] :

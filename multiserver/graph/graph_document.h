@@ -46,6 +46,11 @@ using StateReader = std::function<StateFile(std::string_view text, const std::st
 /// Returns what an error of flow::CompiledDocument or flow::Flow::edit() says, with the path of the dataset or the view that it names.
 DocumentProblem problemOf(const std::string& flowError);
 
+struct ServerRank;
+/// Returns a reader that charges the tenant for what it parses. Other than a DocumentReader it does not wait for its turn among the
+/// tenant's documents, since whoever reads a graph's document keeps others from editing it. The server rank must outlive it.
+StateReader stateReaderOf(ServerRank& serverRank, const std::string& tenant);
+
 inline constexpr size_t kMostDocumentBytes = size_t(1) << 20;
 inline constexpr size_t kMostDocumentDepth = 32;
 

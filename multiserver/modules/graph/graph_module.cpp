@@ -17,8 +17,8 @@ Graph::Client clientOf(const Session& session) {
   return {session.identity().number, session.identity().client};
 }
 
-StateReader readerOf(DocumentReader& reader) {
-  return [&reader](std::string_view text, const std::string& what) { return reader.state(text, what); };
+StateReader readerOf(Request& request) {
+  return stateReaderOf(request.session().serverRank(), request.session().tenant());
 }
 
 std::string warningsText(const std::vector<std::string>& warnings) {
@@ -55,7 +55,7 @@ json make(Graphs& graphs, Request& request, Arguments arguments) {
   const auto text = arguments.json();
   DocumentReader reader(request);
   const json document = text ? reader.object(*text, "new") : json::object();
-  const auto [graph, warnings] = graphs.make(request.session().tenant(), name, document, readerOf(reader));
+  const auto [graph, warnings] = graphs.make(request.session().tenant(), name, document, readerOf(request));
   const json revision = graph->summary().at("revision");
   return {{"graph", name},
           {"revision", revision},
@@ -85,7 +85,7 @@ json edit(Graphs& graphs, Request& request, Arguments arguments) {
   const json live = what.value("live", json(false));
   if (!live.is_boolean()) throw Error("edit: `live`: expected true or false, found " + inQuotes(live.dump()));
   json result = graph->edit(what.value("edits", json()), live.get<bool>(), clientOf(request.session()),
-                            readerOf(reader));
+                            readerOf(request));
   result["text"] = "revision " + result["revision"].dump() +
                    warningsText(result["warnings"].get<std::vector<std::string>>());
   return result;
@@ -177,7 +177,7 @@ json check(Graphs& graphs, Request& request, Arguments arguments) {
   const json document = reader.object(arguments.expectJson(), "check");
   std::vector<DocumentProblem> problems;
   const Filters& filters = request.session().serverRank().filters;
-  const GraphDocument read = readGraphDocument("graph", document, filters, readerOf(reader), &problems);
+  const GraphDocument read = readGraphDocument("graph", document, filters, readerOf(request), &problems);
   if (problems.empty()) try {
       const flow::CompiledDocument compiled(read.flow, filters);
     } catch (const Error& e) {
