@@ -31,7 +31,7 @@ void Graph::checkNotEnded() const {
 
 std::vector<std::string> Graph::setDocument(const json& document, const StateReader& readState) {
   const std::lock_guard editing(editing_);
-  GraphDocument read = readGraphDocument(name_, document, services_.serverRank.filters, readState);
+  GraphDocument read = readGraphDocument(name_, document, services_.serverRank.filters, withRoom(readState));
   std::vector<std::string> warnings = read.warnings;
   LedgerEntry memory = roomFor(read);
   const std::lock_guard lock(mutex_);
@@ -50,7 +50,7 @@ json Graph::edit(const json& edits, bool live, const Client& by, const StateRead
   }
   EditedDocument made = edited(now, edits);
   GraphDocument read =
-      readGraphDocument(name_, std::move(made.document), services_.serverRank.filters, readState);
+      readGraphDocument(name_, std::move(made.document), services_.serverRank.filters, withRoom(readState));
   json warnings = read.warnings;
   LedgerEntry memory = roomFor(read);
   const std::lock_guard lock(mutex_);
@@ -66,9 +66,20 @@ LedgerEntry Graph::roomFor(const GraphDocument& document) {
   const auto bytes = int64_t(protocol::dump(document.json).size()) * kBytesOfACharacter;
   for (;;) try {
       return services_.serverRank.takeMemory(tenant_, "graph " + name_, bytes);
-    } catch (const Error&) {
+    } catch (const NoRoom&) {
       if (!giveUpOldest()) throw;
     }
+}
+
+// The same of what reading it takes.
+StateReader Graph::withRoom(const StateReader& readState) {
+  return [this, &readState](std::string_view text, const std::string& what) {
+    for (;;) try {
+        return readState(text, what);
+      } catch (const NoRoom&) {
+        if (!giveUpOldest()) throw;
+      }
+  };
 }
 
 // With the lock held, like all that follow here without a lock of their own.

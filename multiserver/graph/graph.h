@@ -124,6 +124,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   // graph.cpp: what it is told
   void checkNotEnded() const;
   LedgerEntry roomFor(const GraphDocument& document);
+  StateReader withRoom(const StateReader& readState);
   void commit(GraphDocument document, LedgerEntry memory, bool live, const nlohmann::json& event);
   void dropWhatTheDocumentHasNot();
   void lookAtData();

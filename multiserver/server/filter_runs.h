@@ -7,16 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/comm/error.h"
 #include "multiserver/server/datasets.h"
 
 namespace gxy {
-
-/// Thrown where the ledger has no room for what a filter makes.
-class NoRoom : public Error {
- public:
-  using Error::Error;
-};
 
 /// Returns what clients are told of a filter: its inputs and properties.
 nlohmann::json describedFilter(const FilterSchema& filter);

@@ -14,6 +14,7 @@
 #include "core/analysis/tracer.h"
 #include "core/comm/collective.h"
 #include "core/comm/collectives.h"
+#include "core/comm/error.h"
 #include "core/comm/presence.h"
 #include "core/comm/work.h"
 #include "core/rays/backend.h"
@@ -33,6 +34,12 @@ class Datasets;
 class FilterRuns;
 class Modules;
 class Sampler;
+
+/// Thrown where the ledger has no room.
+class NoRoom : public Error {
+ public:
+  using Error::Error;
+};
 
 struct ServerRankOptions {
   std::vector<std::string> dataFolders;    ///< empty: the current folder
@@ -86,7 +93,7 @@ struct ServerRank {
   /// options.rankPatience. Throws Error as resultsOf() does.
   RollCall callThoseThere(const std::string& name, const nlohmann::json& parameters);
 
-  /// Enters memory of a tenant in this rank's ledger. Throws Error if the tenant's limit or the rank's
+  /// Enters memory of a tenant in this rank's ledger. Throws NoRoom if the tenant's limit or the rank's
   /// would be exceeded.
   [[nodiscard]] LedgerEntry takeMemory(const std::string& tenant, const std::string& purpose, int64_t bytes);
 
