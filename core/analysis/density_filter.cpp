@@ -206,7 +206,7 @@ FilterResult DensitySampler::run(FilterRun& run) const {
   result.dataset = madeGeometry(run, "density samples", GeometryKind::Particles, std::move(block),
                                 field.partitioning, std::move(whole));
   result.told = {{"particles", found}, {"candidates", tried}};
-  if (found < uint64_t(count)) result.told["found"] = std::to_string(found) + " of " + std::to_string(count);
+  if (found < uint64_t(count)) result.told.update({{"found", found}, {"count", count}});
   return result;
 }
 

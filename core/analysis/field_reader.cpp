@@ -44,8 +44,8 @@ std::optional<GridPlace> FieldReader::place(glm::dvec3 world) const {
     const double margin = kEndMargin * volume_.grid.spacing[a];
     if (!(world[a] >= box_.lo[a] - margin && world[a] <= box_.hi[a] + margin)) return std::nullopt;
     const double at = (world[a] - volume_.grid.origin[a]) / volume_.grid.spacing[a];
-    const int64_t last = volume_.grid.points[size_t(a)] - 2;
-    place.cell[size_t(a)] = std::clamp(int64_t(std::floor(at)), int64_t(0), std::max(last, int64_t(0)));
+    place.cell[size_t(a)] =
+        std::clamp(int64_t(std::floor(at)), int64_t(0), volume_.grid.points[size_t(a)] - 2);
     place.fraction[a] = std::clamp(at - double(place.cell[size_t(a)]), 0.0, 1.0);
   }
   return place;
@@ -72,10 +72,7 @@ double FieldReader::value(int partition, const GridPlace& place, int component) 
     std::array<double, 8> corners;
     double finite = 0;
     for (size_t i = 0; i < 8; i++) {
-      // A grid of one point on an axis has a cell without thickness there.
-      const auto at = [&](size_t a, size_t upper) {
-        return std::min(place.cell[a] + int64_t(upper), volume_.grid.points[a] - 1) - first[a];
-      };
+      const auto at = [&](size_t a, size_t upper) { return place.cell[a] + int64_t(upper) - first[a]; };
       const std::byte* point =
           &block.samples->samples[block.bricks(at(0, i & 1), at(1, i >> 1 & 1), at(2, i >> 2)) * pointBytes];
       const auto valueOf = [&](int c) { return volume_.shift + volume_.scale * sampleAt<T>(point, c); };

@@ -79,6 +79,8 @@ SamplingSource isosurfaceSource(const IsosurfaceSampler& filter, FilterRun& run)
   source.scene.partitioning = field.data->partitioning;
   source.scene.data.push_back({{field.data->volume, nullptr}, {}});
   source.rules = {{{}, kMostHits}};
+  source.priority.tenant = run.services().turn;
+  source.account = run.services().tenant;
   if (!values) return source;
   source.fields = {{values->data->volume, -1}};
   source.recorded = 1;

@@ -35,6 +35,12 @@ struct Told {
   double bound;
 };
 
+std::vector<Bytes> exchanged(std::vector<Writer>& messages, Collectives& ranks) {
+  std::vector<Bytes> out;
+  for (Writer& message : messages) out.push_back(message.take());
+  return ranks.allToAll(std::move(out));
+}
+
 template <class F>
 void eachMacrocell(const Index3& first, const Index3& count, F f) {
   for (int64_t z = 0; z < count[2]; z++)
@@ -69,96 +75,106 @@ void MacrocellDensities::sum(int64_t number, Block& block) const {
 }
 
 MacrocellDensities::MacrocellDensities(const Volume& volume, const FieldReader& reader, int component,
-                                       const std::function<double(double, double)>& bound, Collectives& ranks)
-    : cells_{std::max<int64_t>(volume.grid.cells()[0], 1), std::max<int64_t>(volume.grid.cells()[1], 1),
-             std::max<int64_t>(volume.grid.cells()[2], 1)},
+                                       const Bound& bound, Collectives& ranks)
+    : cells_(volume.grid.cells()),
       macrocells_(quotients(cells_, kMacrocellSize)),
       blocks_(quotients(macrocells_, kSide)) {
-  const auto size = size_t(ranks.size());
-  const auto homeOf = [&](int64_t block) { return size_t(block) % size; };
-  std::vector<Writer> told(size), wanted(size);
-  uint64_t empty = 0;
-  agree(ranks, [&] {
-    std::set<int64_t> held;
-    for (const auto& [partition, block] : volume.blocks) {
-      ranks.check();
-      const auto& summaries =
-          block.summaries.at(component < 0 ? block.summaries.size() - 1 : size_t(component));
-      eachMacrocell(
-          block.firstMacrocell, block.macrocells, [&, owner = partition](const Index3& m, size_t i) {
-            if (m[0] >= macrocells_[0] || m[1] >= macrocells_[1] || m[2] >= macrocells_[2]) return;
-            held.insert(blockOf(m));
-            if (reader.partitionOf({m[0] * kMacrocellSize, m[1] * kMacrocellSize, m[2] * kMacrocellSize}) !=
-                owner)
-              return;
-            const auto& s = summaries[i];
-            const double largest = s.min > s.max ? 0
-                                                 : bound(volume.shift + volume.scale * double(s.min),
-                                                         volume.shift + volume.scale * double(s.max));
-            if (!std::isfinite(largest))
-              throw Error("DensitySampler: the density is not finite, expected a finite one");
-            empty += largest == 0;
-            told[homeOf(blockOf(m))].write(Told{blockOf(m), placeIn(m), largest});
-          });
-    }
-    for (const int64_t block : held) wanted[homeOf(block)].write(block);
-  });
-  const auto exchanged = [&](std::vector<Writer>& writers) {
-    std::vector<Bytes> out;
-    for (Writer& w : writers) out.push_back(w.take());
-    return ranks.allToAll(std::move(out));
-  };
-  const std::vector<Bytes> heard = exchanged(told), asked = exchanged(wanted);
-  std::map<int64_t, Block> collected;  // of which this rank is the home
-  std::vector<Writer> answers(size);
+  // Each block has a home: the rank that collects the bounds of its macrocells, and tells them to those who hold a part of it.
+  Messages told(size_t(ranks.size())), wanted(size_t(ranks.size()));
+  agree(ranks, [&] { tellBounds(volume, reader, component, bound, ranks, told, wanted); });
+  const std::vector<Bytes> heard = exchanged(told, ranks), asked = exchanged(wanted, ranks);
+  std::map<int64_t, Block> collected;
+  Messages answers(size_t(ranks.size()));
   Writer sums;
   agree(ranks, [&] {
-    for (const Bytes& message : heard) {
-      Reader in(message, "bounds of macrocells");
-      while (!in.rest().empty()) {
-        const Told t = in.read<Told>();
-        Block& block = collected.try_emplace(t.block).first->second;
-        block.bounds.at(t.place) = t.bound;
-      }
-    }
-    for (auto& [number, block] : collected) {
-      sum(number, block);
-      sums.write(number).write(block.sums[kCells]);
-    }
-    for (size_t r = 0; r < size; r++) {
-      Reader in(asked[r], "blocks of macrocells");
-      while (!in.rest().empty()) {
-        const auto number = in.read<int64_t>();
-        answers[r].write(number).write(collected.try_emplace(number).first->second.bounds);
-      }
-    }
+    collect(heard, collected, sums);
+    answer(asked, collected, answers);
   });
-  const std::vector<Bytes> answered = exchanged(answers);
+  const std::vector<Bytes> answered = exchanged(answers, ranks);
   const std::vector<Bytes> all = ranks.allGather(sums.take());
   agree(ranks, [&] {
-    for (const Bytes& message : answered) {
-      Reader in(message, "bounds of macrocells");
-      while (!in.rest().empty()) {
-        const auto number = in.read<int64_t>();
-        Block& block = held_[number];
-        block.bounds = in.read<std::array<double, kCells>>();
-        sum(number, block);
-      }
-    }
-    std::vector<double> each(size_t(blocks_[0] * blocks_[1] * blocks_[2]), 0.0);
-    for (const Bytes& message : all) {
-      Reader in(message, "sums of blocks");
-      while (!in.rest().empty()) {
-        const auto number = size_t(in.read<int64_t>());
-        each.at(number) = in.read<double>();
-      }
-    }
-    sums_.assign(1, 0.0);
-    for (const double s : each) sums_.push_back(sums_.back() + s);
-    if (!std::isfinite(total()))
-      throw Error("DensitySampler: the sum of the density is not finite, expected smaller densities");
+    take(answered);
+    takeSums(all);
   });
-  empty_ = sumOfCounts(ranks, empty);
+}
+
+void MacrocellDensities::tellBounds(const Volume& volume, const FieldReader& reader, int component,
+                                    const Bound& bound, Collectives& ranks, Messages& told,
+                                    Messages& wanted) const {
+  const auto homeOf = [&](int64_t block) { return size_t(block) % told.size(); };
+  std::set<int64_t> held;
+  for (const auto& [partition, block] : volume.blocks) {
+    ranks.check();
+    const auto& summaries =
+        block.summaries.at(component < 0 ? block.summaries.size() - 1 : size_t(component));
+    eachMacrocell(block.firstMacrocell, block.macrocells, [&, owner = partition](const Index3& m, size_t i) {
+      if (m[0] >= macrocells_[0] || m[1] >= macrocells_[1] || m[2] >= macrocells_[2]) return;
+      held.insert(blockOf(m));
+      const Index3 firstCell{m[0] * kMacrocellSize, m[1] * kMacrocellSize, m[2] * kMacrocellSize};
+      if (reader.partitionOf(firstCell) != owner) return;
+      const gxy::Macrocell& s = summaries[i];
+      const double largest = s.min > s.max ? 0
+                                           : bound(volume.shift + volume.scale * double(s.min),
+                                                   volume.shift + volume.scale * double(s.max));
+      if (!std::isfinite(largest))
+        throw Error("DensitySampler: the density is not finite, expected a finite one");
+      told[homeOf(blockOf(m))].write(Told{blockOf(m), placeIn(m), largest});
+    });
+  }
+  for (const int64_t block : held) wanted[homeOf(block)].write(block);
+}
+
+void MacrocellDensities::collect(const std::vector<Bytes>& heard, std::map<int64_t, Block>& collected,
+                                 Writer& sums) const {
+  for (const Bytes& message : heard) {
+    Reader in(message, "bounds of macrocells");
+    while (!in.rest().empty()) {
+      const Told t = in.read<Told>();
+      collected.try_emplace(t.block).first->second.bounds.at(t.place) = t.bound;
+    }
+  }
+  for (auto& [number, block] : collected) {
+    sum(number, block);
+    sums.write(number).write(block.sums[kCells]);
+  }
+}
+
+void MacrocellDensities::answer(const std::vector<Bytes>& asked, const std::map<int64_t, Block>& collected,
+                                Messages& answers) const {
+  for (size_t r = 0; r < asked.size(); r++) {
+    Reader in(asked[r], "blocks of macrocells");
+    while (!in.rest().empty()) {
+      const auto number = in.read<int64_t>();
+      answers[r].write(number).write(collected.at(number).bounds);
+    }
+  }
+}
+
+void MacrocellDensities::take(const std::vector<Bytes>& answered) {
+  for (const Bytes& message : answered) {
+    Reader in(message, "bounds of macrocells");
+    while (!in.rest().empty()) {
+      const auto number = in.read<int64_t>();
+      Block& block = held_[number];
+      block.bounds = in.read<std::array<double, kCells>>();
+      sum(number, block);
+    }
+  }
+}
+
+void MacrocellDensities::takeSums(const std::vector<Bytes>& all) {
+  std::vector<double> each(size_t(blocks_[0] * blocks_[1] * blocks_[2]), 0.0);
+  for (const Bytes& message : all) {
+    Reader in(message, "sums of blocks");
+    while (!in.rest().empty()) {
+      const auto number = size_t(in.read<int64_t>());
+      each.at(number) = in.read<double>();
+    }
+  }
+  sums_.assign(1, 0.0);
+  for (const double s : each) sums_.push_back(sums_.back() + s);
+  if (!std::isfinite(total()))
+    throw Error("DensitySampler: the sum of the density is not finite, expected smaller densities");
 }
 
 std::optional<MacrocellDensities::Macrocell> MacrocellDensities::at(double place) const {

@@ -11,6 +11,7 @@
 
 #include "core/analysis/field_reader.h"
 #include "core/comm/collectives.h"
+#include "core/comm/wire.h"
 
 namespace gxy {
 
@@ -20,10 +21,12 @@ class MacrocellDensities {
   static constexpr int64_t kSide = 8;  ///< macrocells of a block along each axis
   static constexpr size_t kCells = size_t(kSide * kSide * kSide);
 
+  using Bound = std::function<double(double least, double largest)>;
+
   /// Collective. `bound` returns the largest density of the values in [least, largest]. `component` is as of FieldReader::value. If any
   /// rank fails, all throw the same Error.
-  MacrocellDensities(const Volume& volume, const FieldReader& reader, int component,
-                     const std::function<double(double least, double largest)>& bound, Collectives& ranks);
+  MacrocellDensities(const Volume& volume, const FieldReader& reader, int component, const Bound& bound,
+                     Collectives& ranks);
 
   /// The sum over all macrocells of bound times cells.
   double total() const { return sums_.back(); }
@@ -36,23 +39,26 @@ class MacrocellDensities {
   /// block.
   std::optional<Macrocell> at(double place) const;
 
-  /// How many macrocells have density 0, of all.
-  uint64_t empty() const { return empty_; }
-
  private:
   struct Block {
     std::array<double, kCells> bounds;
     std::array<double, kCells + 1> sums;  ///< of the macrocells before each
   };
+  using Messages = std::vector<Writer>;  ///< by rank
+  void tellBounds(const Volume& volume, const FieldReader& reader, int component, const Bound& bound,
+                  Collectives& ranks, Messages& told, Messages& wanted) const;
+  void collect(const std::vector<Bytes>& heard, std::map<int64_t, Block>& collected, Writer& sums) const;
+  void answer(const std::vector<Bytes>& asked, const std::map<int64_t, Block>& collected,
+              Messages& answers) const;
+  void take(const std::vector<Bytes>& answered);
+  void takeSums(const std::vector<Bytes>& all);
   int64_t blockOf(const Index3& macrocell) const;
   Macrocell macrocell(int64_t block, size_t place) const;
   void sum(int64_t number, Block& block) const;
 
-  const Index3 cells_;
-  Index3 macrocells_, blocks_;
+  const Index3 cells_, macrocells_, blocks_;
   std::vector<double> sums_;  ///< of the blocks before each
   std::map<int64_t, Block> held_;
-  uint64_t empty_ = 0;
 };
 
 }  // namespace gxy

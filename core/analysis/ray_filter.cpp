@@ -35,6 +35,8 @@ class RayPlan {
     if (!filter.values.empty()) source.recorded = 1 + fieldOf(filter.values, "`values`");
     for (const RaySampler::Target& target : filter.operators) add(target);
     source.scene.partitioning = partitioning_;
+    source.priority.tenant = run.services().turn;
+    source.account = run.services().tenant;
   }
 
   SamplingSource source;

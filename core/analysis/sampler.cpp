@@ -86,14 +86,18 @@ class Sampler::Rays final : public Flight<TraceResult> {
   void prepare() override {
     run_ = sampler_.find(id);
     if (!run_) throw Error("there is no sampling " + std::to_string(id));
+    const Options& options = sampler_.options_;
+    const std::string& account = run_->sampling->account;
+    if (options.ledger)
+      rays_ = options.ledger->enter(account.empty() ? options.tenant : account, "sampling rays", 0);
     const std::lock_guard lock(run_->mutex);
     run_->flight = this;
   }
-  Priority priority() const override { return {}; }
+  Priority priority() const override { return run_ ? run_->sampling->priority : Priority(); }
   size_t chunks() const override { return run_ ? run_->source->chunks() - next_ : 0; }
   int64_t cost() const override { return run_->source->raysOf(next_); }
   int64_t creditsOf(uint32_t) const override { return 1; }
-  LedgerEntry hold(int64_t) const override { return {}; }
+  LedgerEntry hold(int64_t bytes) const override { return rays_.another(bytes); }
   void onCancel() override {
     if (run_) run_->sampling->frame->cancel();
   }
@@ -135,6 +139,7 @@ class Sampler::Rays final : public Flight<TraceResult> {
 
   Sampler& sampler_;
   RunPtr run_;
+  LedgerEntry rays_;
   size_t next_ = 0;  ///< the chunk that is begun next
 };
 
@@ -173,6 +178,8 @@ std::shared_ptr<const Sampling> Sampler::prepare(SamplingSource source, Collecti
 std::shared_ptr<Sampling> Sampler::build(SceneBuilder& builder, SamplingSource source, Collectives& ranks,
                                          const EnterMemory& enter, const SceneBuilder::OnItem& onItem) const {
   auto sampling = std::make_shared<Sampling>();
+  sampling->priority = source.priority;
+  sampling->account = source.account;
   sampling->scene = builder.build(std::move(source.scene), ranks, enter, onItem);
   agree(ranks, [&] {
     sampling->compiled = compileSampling(sampling->scene.compiled, std::move(source.fields), source.recorded,

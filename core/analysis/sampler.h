@@ -26,6 +26,8 @@ struct SamplingSource {
   int recorded = 0;
   bool gradient = false;
   std::vector<HitRule> rules;  ///< by operator
+  Priority priority;           ///< whose turn the work is done in; the same on all ranks
+  std::string account;         ///< the ledger's tenant for rays; empty: that of Sampler::Options
 };
 
 /// A sampling on one rank, ready for rays. Immutable, thread safe.
@@ -33,6 +35,8 @@ struct Sampling {
   BuiltScene scene;
   std::shared_ptr<const CompiledSampling> compiled;
   std::shared_ptr<const DeviceFrame> frame;
+  Priority priority;
+  std::string account;
 };
 
 /// The samples of this rank, and their entries in the ledger.
@@ -59,7 +63,7 @@ class Sampler {
     int packetRays = 4096;           ///< most rays that are traced together; >= 16
     int64_t raysInFlight = 1 << 18;  ///< credits of a rank
     int runners = 0;                 ///< most tasks at once; 0: as many as there are processors
-    Ledger* ledger = nullptr;        ///< for messages that wait; may be null
+    Ledger* ledger = nullptr;        ///< for rays and for messages that wait; may be null
     std::string tenant = "analysis";
     Trace* trace = nullptr;  ///< may be null; outlives the object
     /// Makes the backend that samples where the one in use cannot; it is made when it is needed. Empty: there is none.

@@ -136,7 +136,8 @@ bool SceneCache::namesMean(const std::string& tenant, const std::vector<NamedDat
 }
 
 SceneCache::HeldData SceneCache::hold(const std::string& tenant, const Visualization& visualization,
-                                      ShownSoFar& shown, const GivenData* given) const {
+                                      ShownSoFar& shown, const PinnedData* known,
+                                      const GivenData* given) const {
   HeldData held;
   if (given) {
     for (const Given& g : *given) {
@@ -145,12 +146,22 @@ SceneCache::HeldData SceneCache::hold(const std::string& tenant, const Visualiza
     }
     held.pins = serverRank_.objects.pin(held.where);
   } else {
+    const auto isKnown = [&](const std::string& name) { return known && known->contains(name); };
     std::vector<std::string> names;
-    for (const Vis& vis : visualization.operators) names.push_back(vis.dataset);
-    for (auto& [dataset, pin] : serverRank_.datasets->getPinned(tenant, names)) {
-      held.where.push_back({dataset.key, dataset.generation});
-      held.data.push_back(std::move(dataset));
-      held.pins.push_back(std::move(pin));
+    for (const Vis& vis : visualization.operators)
+      if (!isKnown(vis.dataset)) names.push_back(vis.dataset);
+    auto newest = serverRank_.datasets->getPinned(tenant, names);
+    auto next = newest.begin();
+    for (const Vis& vis : visualization.operators) {
+      if (isKnown(vis.dataset)) {
+        held.data.push_back(known->at(vis.dataset).first);
+        held.pins.push_back(std::move(pinned(serverRank_, {held.data.back()}).front()));
+      } else {
+        held.data.push_back(std::move(next->first));
+        held.pins.push_back(std::move(next->second));
+        ++next;
+      }
+      held.where.push_back({held.data.back().key, held.data.back().generation});
     }
   }
   std::vector<DataFacts> facts;
@@ -164,18 +175,25 @@ SceneCache::HeldData SceneCache::hold(const std::string& tenant, const Visualiza
 
 void SceneCache::widen(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown,
                        const GivenData* given) const {
-  hold(tenant, visualization, shown, given);
+  hold(tenant, visualization, shown, nullptr, given);
+}
+
+std::optional<SceneCache::Pinned> SceneCache::pin(const std::string& tenant, const ScenePtr& scene) const {
+  if (!namesMean(tenant, scene->data)) return std::nullopt;
+  try {
+    return Pinned{scene, pinned(serverRank_, scene->data)};
+  } catch (const Error&) {
+    return std::nullopt;  // its data have gone
+  }
 }
 
 SceneCache::Pinned SceneCache::get(const std::string& tenant, const Visualization& visualization,
                                    const RenderSettings& settings, const Asker& asker, ShownSoFar& shown,
-                                   const ScenePtr& known, const GivenData* given) {
+                                   const ScenePtr& known, const PinnedData* pinnedData,
+                                   const GivenData* given) {
   if (known && given && showsThese(*known, *given)) return {known, {}};
-  if (known && !given && namesMean(tenant, known->data)) try {
-      return {known, pinned(serverRank_, known->data)};
-    } catch (const Error&) {
-      // its data have gone
-    }
+  if (known && !given)
+    if (auto pinned = pin(tenant, known)) return *std::move(pinned);
   if (visualization.operators.empty())
     throw Error("visualization: it has no operators, expected one or more");
   State state;
@@ -191,7 +209,7 @@ SceneCache::Pinned SceneCache::get(const std::string& tenant, const Visualizatio
       state.datasets.push_back(spec);
   }
   for (int looks = 1;; looks++) {
-    HeldData held = hold(tenant, visualization, shown, given);
+    HeldData held = hold(tenant, visualization, shown, pinnedData, given);
     state.visualizations = {std::move(held.resolved)};
     try {
       return {getOf(tenant, state, held, given, asker), std::move(held.pins)};

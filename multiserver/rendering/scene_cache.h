@@ -63,6 +63,8 @@ class SceneCache {
   /// one. If that scene is still being built, all callers wait for it and are told its progress; when none of
   /// them wants it any more, all ranks give it up. Otherwise all ranks build a new scene.
   ///
+  /// `pinned`, if not null, holds the generations that a new scene shows of the datasets that it has; of others it shows the newest.
+  ///
   /// Ranges and radii that the visualization takes from its data follow the data and all that was shown before. `shown` holds
   /// what was shown before, and the data widen it. A `known` scene has widened it already.
   ///
@@ -72,7 +74,9 @@ class SceneCache {
   /// `asker.check` throws; the last caller who waits throws it once no rank holds anything of the scene.
   Pinned get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings,
              const Asker& asker, ShownSoFar& shown, const ScenePtr& known = nullptr,
-             const GivenData* given = nullptr);
+             const PinnedData* pinned = nullptr, const GivenData* given = nullptr);
+  /// Rank 0: pins the generations that a scene shows. Nothing if they have gone, or if its names do not mean its objects any more.
+  std::optional<Pinned> pin(const std::string& tenant, const ScenePtr& scene) const;
   /// Rank 0: widens `shown` as get() would. Throws Error for data that do not exist.
   void widen(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown,
              const GivenData* given = nullptr) const;
@@ -90,7 +94,7 @@ class SceneCache {
     Visualization resolved;
   };
   HeldData hold(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown,
-                const GivenData* given) const;
+                const PinnedData* pinned, const GivenData* given) const;
   SceneSource sourceOf(const nlohmann::json& parameters) const;
   nlohmann::json make(const nlohmann::json& parameters);
   nlohmann::json forget(const nlohmann::json& parameters);

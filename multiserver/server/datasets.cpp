@@ -211,6 +211,15 @@ std::vector<std::pair<NamedDataset, Pin>> Datasets::getPinned(const std::string&
   return pinned;
 }
 
+void Datasets::pin(const std::string& tenant, const std::vector<std::string>& names,
+                   PinnedData& pinned) const {
+  std::vector<std::string> missing;
+  for (const std::string& name : names)
+    if (!pinned.contains(name)) missing.push_back(name);
+  auto all = getPinned(tenant, missing);
+  for (size_t i = 0; i < missing.size(); i++) pinned.insert_or_assign(missing[i], std::move(all[i]));
+}
+
 std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const std::string& name, Scope scope,
                                               bool ofGraph) const {
   const auto entry = serverRank_.directory.find(tenant, name, scope);

@@ -36,6 +36,10 @@ struct NamedDataset {
   bool ofGraph = false;  ///< it is GRAPH/NODE, and only the graph changes what this name means
 };
 
+/// Datasets by the names that a request knows them by, each with the generation that it uses, pinned. What others publish and rename
+/// changes nothing for the request.
+using PinnedData = std::map<std::string, std::pair<NamedDataset, Pin>>;
+
 /// A dataset that is to be published under a name.
 struct DatasetDraft {
   std::string name;
@@ -138,6 +142,8 @@ class Datasets {
   /// what was published together is seen together or not at all.
   std::vector<std::pair<NamedDataset, Pin>> getPinned(const std::string& tenant,
                                                       std::span<const std::string> names) const;
+  /// Does this for those of `names` that `pinned` has not.
+  void pin(const std::string& tenant, const std::vector<std::string>& names, PinnedData& pinned) const;
   /// What all ranks know of it; null when it has been dropped. Waits.
   nlohmann::json info(const NamedDataset& dataset);
   /// The same of what the name means. Throws as get() does.

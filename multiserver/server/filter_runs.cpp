@@ -5,6 +5,7 @@
 #include <future>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "core/comm/error.h"
 #include "core/scene/filter_schema.h"
@@ -222,23 +223,30 @@ FilterRuns::Evaluated FilterRuns::evaluate(const Asker& asker, const Evaluation&
   return made;
 }
 
-json FilterRuns::make(Request& request, const DatasetSpec& entry, Scope scope) {
+std::vector<FilterRuns::Made> FilterRuns::make(Request& request, const std::vector<DatasetSpec>& entries,
+                                               Scope scope) {
+  PinnedData pinned;
+  return makeAll(request, entries, scope, false, {}, pinned);
+}
+
+/// Inputs that `pinned` has not are pinned here.
+FilterRuns::Made FilterRuns::makeOne(Request& request, const DatasetSpec& entry, Scope scope,
+                                     PinnedData& pinned) {
   const std::string& tenant = request.session().tenant();
   const auto filter = serverRank_.filters.get(entry.filter);
   const auto exchange = serverRank_.exchanges.beginLong(request);
   const auto made = filter->schema.typeMadeBy(entry, [&](const std::string& name) {
-    return datasetTypeNamed(serverRank_.datasets->get(tenant, name).type);
+    const auto known = pinned.find(name);
+    return datasetTypeNamed(known != pinned.end() ? known->second.first.type
+                                                  : serverRank_.datasets->get(tenant, name).type);
   });
   std::shared_ptr<const Datasets::Names> names;
   if (made) names = serverRank_.datasets->begin(request, *exchange, "make", scope, {{entry.name, *made}});
   // Inputs are pinned once the name is there: whoever had it may have published what an input is, which needs the room of what is
   // pinned.
-  const std::vector<std::string> read = namesIn(entry);
-  const auto pinned = serverRank_.datasets->getPinned(tenant, read);
-  checkInputs(filter->schema, entry, [&](const std::string& name) {
-    return datasetTypeNamed(
-        pinned[size_t(std::find(read.begin(), read.end(), name) - read.begin())].first.type);
-  });
+  serverRank_.datasets->pin(tenant, namesIn(entry), pinned);
+  checkInputs(filter->schema, entry,
+              [&](const std::string& name) { return datasetTypeNamed(pinned.at(name).first.type); });
   MakeWork work{*exchange,
                 names ? names->items() : json::array(),
                 entry.filter,
@@ -246,45 +254,109 @@ json FilterRuns::make(Request& request, const DatasetSpec& entry, Scope scope) {
                 tenant,
                 serverRank_.tenants.number(tenant),
                 {}};
-  size_t next = 0;
   for (const FilterInput& input : entry.inputs)
     for (const std::string& name : input.datasets) {
-      const auto& [dataset, pin] = pinned[next++];
-      work.sources.push_back({input.input, name, dataset.key.value, pin.generation()});
+      const NamedDataset& dataset = pinned.at(name).first;
+      work.sources.push_back({input.input, name, dataset.key.value, dataset.generation});
     }
-  json told;
+  Made result;
+  json& told = result.told;
   try {
     told = callAll(serverRank_, work).at(0);
   } catch (const Error&) {
     if (names) serverRank_.datasets->check(*names);  // if a name is why, this says more
     throw;
   }
-  if (names)
-    told.update(
-        {{"name", entry.name}, {"type", nameOf(*made)}, {"generation", names->drafts().at(0).generation}});
-  return told;
+  if (!names) return result;
+  result.dataset = names->drafts().at(0);
+  told.update({{"name", entry.name}, {"type", nameOf(*made)}, {"generation", result.dataset->generation}});
+  return result;
 }
 
-std::vector<std::string> FilterRuns::importAndMake(Request& request, Datasets::Import what) {
-  const std::vector<DatasetSpec> all = std::move(what.specs);
-  const std::vector<size_t> order = evaluationOrder(all);
-  const auto isThere = [&](const DatasetSpec& d) {
-    return serverRank_.datasets->find(request.session().tenant(), d.name).has_value();
+/// Whether the tenant has under this name what the entry would make, or what no filter has made. Then it is pinned.
+bool FilterRuns::isMade(const std::string& tenant, const DatasetSpec& entry, PinnedData& pinned) const {
+  if (!serverRank_.datasets->find(tenant, entry.name)) return false;
+  auto [named, pin] = serverRank_.datasets->getPinned(tenant, entry.name);
+  const auto dataset = pin.get<Dataset>();
+  const Provenance& made = dataset->provenance;
+  const auto isRead = [&](const std::string& input, const std::string& name) {
+    const auto read = pinned.find(name);
+    return read != pinned.end() &&
+           std::any_of(made.inputs.begin(), made.inputs.end(), [&](const Provenance::Input& i) {
+             return i.input == input && i.key == read->second.first.key &&
+                    i.generation == read->second.first.generation;
+           });
   };
-  what.specs.clear();
-  for (const DatasetSpec& d : all) {
-    if (!d.filename.empty()) what.specs.push_back(d);
-    if (d.isLive() && !what.onlyMissing && !isThere(d))
+  size_t inputs = 0;
+  bool same = made.filter == entry.filter && made.properties == entry.properties &&
+              made.version == serverRank_.filters.get(entry.filter)->schema.version;
+  for (const FilterInput& input : entry.inputs)
+    for (const std::string& name : input.datasets) {
+      same = same && isRead(input.input, name);
+      inputs++;
+    }
+  if (!made.filter.empty() && !(same && inputs == made.inputs.size())) return false;
+  pinned.insert_or_assign(entry.name, std::pair(std::move(named), std::move(pin)));
+  return true;
+}
+
+std::vector<FilterRuns::Made> FilterRuns::makeAll(Request& request, const std::vector<DatasetSpec>& entries,
+                                                  Scope scope, bool onlyMissing,
+                                                  const std::vector<std::string>& shown, PinnedData& pinned) {
+  const std::string& tenant = request.session().tenant();
+  const std::vector<size_t> order = evaluationOrder(entries);
+  std::set<std::string> sources(shown.begin(), shown.end());
+  for (const DatasetSpec& entry : entries)
+    for (const std::string& name : namesIn(entry)) sources.insert(name);
+  for (const size_t i : order) sources.erase(entries[i].name);
+  std::erase_if(sources, [&](const std::string& name) { return !serverRank_.datasets->find(tenant, name); });
+  // One filter that is to be evaluated pins its inputs itself.
+  if (onlyMissing || order.size() > 1)
+    serverRank_.datasets->pin(tenant, {sources.begin(), sources.end()}, pinned);
+  std::vector<Made> all;
+  for (const size_t i : order) {
+    if (onlyMissing && isMade(tenant, entries[i], pinned)) continue;
+    Made made = makeOne(request, entries[i], scope, pinned);
+    made.entry = i;
+    if (made.dataset) {
+      Pin pin = serverRank_.objects.pin(made.dataset->key, made.dataset->generation);
+      NamedDataset named = serverRank_.datasets->get(tenant, entries[i].name);
+      named.key = made.dataset->key;
+      named.generation = made.dataset->generation;
+      pinned.insert_or_assign(entries[i].name, std::pair(std::move(named), std::move(pin)));
+    }
+    all.push_back(std::move(made));
+  }
+  return all;
+}
+
+std::vector<std::string> FilterRuns::importAndMake(Request& request, Datasets::Import what,
+                                                   const std::vector<std::string>& shown,
+                                                   PinnedData& pinned) {
+  std::vector<DatasetSpec> files, made;
+  for (DatasetSpec& d : what.specs) {
+    if (d.isLive() && !what.onlyMissing && !serverRank_.datasets->find(request.session().tenant(), d.name))
       throw Error(
           "dataset " + inQuotes(d.name) +
           ": there is none that you see, and its entry has neither `filename` nor `filter`; expected one "
           "of them, or a dataset of this name");
+    if (!d.filename.empty())
+      files.push_back(std::move(d));
+    else if (!d.filter.empty() && !d.name.empty())  // What only tells numbers has nobody to tell them to.
+      made.push_back(std::move(d));
   }
+  evaluationOrder(made);  // throws for a cycle before anything is read
+  const bool noEntries = what.specs.empty();
+  what.specs = std::move(files);
   std::vector<std::string> warnings;
-  if (!what.specs.empty() || all.empty()) warnings = serverRank_.datasets->import(request, what);
-  for (const size_t i : order)
-    if (!all[i].name.empty() && !(what.onlyMissing && isThere(all[i]))) make(request, all[i], what.scope);
+  if (!what.specs.empty() || noEntries) warnings = serverRank_.datasets->import(request, what);
+  makeAll(request, made, what.scope, what.onlyMissing, shown, pinned);
   return warnings;
+}
+
+std::vector<std::string> FilterRuns::importAndMake(Request& request, Datasets::Import what) {
+  PinnedData pinned;
+  return importAndMake(request, std::move(what), {}, pinned);
 }
 
 }  // namespace gxy

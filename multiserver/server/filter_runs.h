@@ -20,14 +20,24 @@ class FilterRuns {
   explicit FilterRuns(ServerRank& serverRank) : serverRank_(serverRank) {}
   void addWorks();
 
-  /// Evaluates the filter of one entry. Its inputs are what the request's tenant calls so, all of one moment. The tenant owns the
-  /// dataset that is made, or gets its next generation. Returns an object: what the filter tells, and `name`, `type` and
-  /// `generation` of the dataset if it makes one. Waits for its turn among the tenant's long works. Throws Error, also when the
-  /// request is cancelled; then nothing has changed.
-  nlohmann::json make(Request& request, const DatasetSpec& entry, Scope scope);
+  struct Made {
+    size_t entry = 0;  ///< its place
+    nlohmann::json
+        told;  ///< by the filter, with `name`, `type` and `generation` of the dataset if it makes one
+    std::optional<DatasetDraft> dataset;
+  };
+  /// Evaluates the filters of entries, each after the filters of its inputs, and returns what they have made, in this order. Inputs are
+  /// what the request's tenant calls so, all of one moment: of a simulation, those of one step. The tenant owns the datasets that are
+  /// made, or gets their next generations. Waits for its turns among the tenant's long works. Throws Error, also when the request is
+  /// cancelled; what has been made before stays.
+  std::vector<Made> make(Request& request, const std::vector<DatasetSpec>& entries, Scope scope);
 
-  /// Carries out what a document says of datasets: reads files, all or nothing, then evaluates filters, each after the filters of its
-  /// inputs. Live datasets must be there. Returns what of the files is not used, for their user.
+  /// Carries out what a document says of datasets: reads files, all or nothing, then evaluates filters as make() does. Live datasets
+  /// must be there. With `onlyMissing` nothing is made again that is what its entry would make now. `pinned` gets what filters have read
+  /// and made, and the datasets of these names `shown` that exist, of the same moment. Returns what of the files is not used, for
+  /// their user.
+  std::vector<std::string> importAndMake(Request& request, Datasets::Import what,
+                                         const std::vector<std::string>& shown, PinnedData& pinned);
   std::vector<std::string> importAndMake(Request& request, Datasets::Import what);
 
   /// An evaluation whose output gets no name, for a graph.
@@ -58,6 +68,10 @@ class FilterRuns {
 
  private:
   void taken(uint64_t exchange);
+  std::vector<Made> makeAll(Request& request, const std::vector<DatasetSpec>& entries, Scope scope,
+                            bool onlyMissing, const std::vector<std::string>& shown, PinnedData& pinned);
+  Made makeOne(Request& request, const DatasetSpec& entry, Scope scope, PinnedData& pinned);
+  bool isMade(const std::string& tenant, const DatasetSpec& entry, PinnedData& pinned) const;
 
   ServerRank& serverRank_;
   std::mutex mutex_;

@@ -469,26 +469,11 @@ TEST(Derive, WrongInputsAreErrorsOnAllRanks) {
 TEST(Derive, ACancelOrARefusalOnOneRankEndsAll) {
   const Grid grid{{0, 0, 0}, {1, 1, 1}, {40, 30, 20}};
   const auto fields = holedFields(4, false);
-  /// Ranks that are cancelled after some calls of check().
-  struct Cancelled final : Collectives {
-    Cancelled(Collectives& ranks, int after) : ranks(ranks), left(after) {}
-    int rank() const override { return ranks.rank(); }
-    int size() const override { return ranks.size(); }
-    std::vector<Bytes> allGather(Bytes mine) override { return ranks.allGather(std::move(mine)); }
-    std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override {
-      return ranks.allToAll(std::move(perRank));
-    }
-    void check() const override {
-      if (--left < 0) throw Error("cancelled");
-    }
-    Collectives& ranks;
-    mutable std::atomic<int> left;
-  };
   for (const int after : {0, 1, 5, 20, 60, 150}) {
     test::ThreadRanks three(3);
     const auto errors = three.run([&](Collectives& threadRank) {
       const auto inputs = test::inputsOf(fields, grid, decomposed(grid, 6, 3), threadRank);
-      Cancelled ranks(threadRank, threadRank.rank() == 1 ? after : 1 << 30);
+      test::CancelledRanks ranks(threadRank, threadRank.rank() == 1 ? after : 1 << 30);
       derive(Expression(kMany), inputs, ranks);
     });
     EXPECT_EQ(errors, std::vector<std::string>(3, "rank 1: cancelled")) << after;

@@ -22,8 +22,20 @@ inline FilterServices freeServices() {
   return s;
 }
 
+/// A small grid whose spacing differs by axis.
+inline Grid oddGrid(Index3 points) {
+  Grid grid;
+  grid.points = points;
+  grid.origin = {-1, 2, 0.5};
+  grid.spacing = {0.5, 0.25, 1};
+  return grid;
+}
+
+/// A function that is linear in each coordinate.
+inline double trilinear(glm::dvec3 p) { return 1 + 2 * p.x - p.y + 0.5 * p.z + p.x * p.y * p.z; }
+
 /// The part of one rank of a dataset with one volume.
-inline std::shared_ptr<const Dataset> datasetOf(const WholeVolume& whole, const Cut& cut, int rank) {
+inline std::shared_ptr<Dataset> datasetOf(const WholeVolume& whole, const Cut& cut, int rank) {
   const auto made = std::make_shared<Dataset>();
   made->partitioning = std::make_shared<const Partitioning>(cut.partitioning);
   made->volume = test::cut(whole, cut.partitioning, cut.ranks)[size_t(rank)];

@@ -10,9 +10,7 @@
 #include "core/analysis/pointwise.h"
 #include "core/analysis/seeds_filter.h"
 #include "core/comm/error.h"
-#include "tests/support/data_sets.h"
-#include "tests/support/partitionings.h"
-#include "tests/support/thread_ranks.h"
+#include "tests/analysis/filter_setup.h"
 
 namespace gxy::test {
 namespace {
@@ -45,21 +43,13 @@ WholeVolume ramp() {
   return whole;
 }
 
-/// The part of one rank of a dataset with one volume.
+/// The part of one rank of a dataset that is of a step of a source.
 std::shared_ptr<const Dataset> dataset(const WholeVolume& whole, const Cut& cut, int rank, int64_t step = 1,
                                        uint64_t source = 7) {
-  const auto made = std::make_shared<Dataset>();
-  made->partitioning = std::make_shared<const Partitioning>(cut.partitioning);
-  made->volume = test::cut(whole, cut.partitioning, cut.ranks)[size_t(rank)];
+  const auto made = datasetOf(whole, cut, rank);
   made->origins = {{source, step}};
   made->time = double(step) / 4;
   return made;
-}
-
-FilterServices services() {
-  FilterServices s;
-  s.takeMemory = [](const std::string&, int64_t) { return LedgerEntry(); };
-  return s;
 }
 
 struct Half {
@@ -85,7 +75,7 @@ TEST(Filters, AResultSaysHowItWasMadeAndOfWhichSteps) {
          FilterRun run(ranks,
                        {{"source", {{"ramp", gxy::Key{5}, 2, dataset(whole, cut, ranks.rank(), 6)}}},
                         {"other", {{"too", gxy::Key{6}, 9, dataset(whole, cut, ranks.rank(), 6)}}}},
-                       services());
+                       freeServices());
          const FilterResult result = evaluate(*makeFilter<Half>(), run, R"({"from":3.0})");
          const Dataset& made = *result.dataset;
          if (made.origins != std::vector<Origin>{{7, 6}}) throw Error("origins");
@@ -111,7 +101,7 @@ TEST(Filters, InputsOfDifferentStepsOfOneSourceAreRefusedOnAllRanks) {
       FilterRun run(ranks,
                     {{"source", {{"pressure", {}, 1, dataset(whole, cut, ranks.rank(), 7)}}},
                      {"other", {{"gradient", {}, 1, dataset(whole, cut, ranks.rank(), 8, otherSource)}}}},
-                    services());
+                    freeServices());
       evaluate(*makeFilter<Half>(), run, "{}");
     });
   };
@@ -126,9 +116,9 @@ TEST(Filters, AnInputOfAnotherTypeIsRefused) {
   const WholeVolume whole = ramp();
   SingleRank alone;
   const auto from = dataset(whole, test::whole(whole.grid.box()), 0);
-  FilterRun seeds(alone, {{"domain", {{"v", {}, 1, from}}}}, services());
+  FilterRun seeds(alone, {{"domain", {{"v", {}, 1, from}}}}, freeServices());
   const auto particles = evaluate(*makeFilter<Seeds>(), seeds, "{}").dataset;
-  FilterRun run(alone, {{"source", {{"seeds", {}, 1, particles}}}}, services());
+  FilterRun run(alone, {{"source", {{"seeds", {}, 1, particles}}}}, freeServices());
   try {
     evaluate(*makeFilter<Half>(), run, "{}");
     FAIL();
@@ -141,38 +131,33 @@ TEST(Filters, AnInputOfAnotherTypeIsRefused) {
 }
 
 /// The seeds of all ranks, by id.
-std::map<uint64_t, glm::dvec3> seedsOf(const std::string& properties, int n) {
+std::map<uint64_t, MadePoint> seedsOf(const std::string& properties, int n) {
   const WholeVolume whole = ramp();
   const Cut cut = lattice(whole.grid.box(), {2, 2, 2}, n);
-  std::map<uint64_t, glm::dvec3> all;
-  std::mutex mutex;
-  ThreadRanks world(n);
-  for (const std::string& error : world.run([&](Collectives& ranks) {
-         FilterRun run(ranks, {{"domain", {{"v", {}, 1, dataset(whole, cut, ranks.rank())}}}}, services());
-         const FilterResult result = evaluate(*makeFilter<Seeds>(), run, properties);
-         const GeometryBlock& block = result.dataset->geometry->block;
-         const std::lock_guard lock(mutex);
-         for (size_t i = 0; i < block.ids.size(); i++)
-           EXPECT_TRUE(all.emplace(block.ids[i], block.points[i]).second);
-         EXPECT_EQ(result.told.at("particles"), result.dataset->geometry->primitives);
-       }))
-    EXPECT_EQ(error, "");
-  return all;
+  const MadePoints seeds = made<Seeds>(
+      cut,
+      [&](Collectives& ranks) {
+        return FilterRun::Inputs{{"domain", {{"v", {}, 1, datasetOf(whole, cut, ranks.rank())}}}};
+      },
+      properties);
+  EXPECT_EQ(seeds.error, "");
+  EXPECT_EQ(seeds.told.at("particles"), seeds.points.size());
+  return seeds.points;
 }
 
 TEST(Seeds, OfALatticeAreInTheMiddleOfItsCells) {
   const auto seeds = seedsOf(R"({"shape": "grid", "dimensions": [4, 2, 1]})", 1);
   ASSERT_EQ(seeds.size(), 8u);
-  EXPECT_EQ(seeds.at(0), glm::dvec3(0.5, 1, 3)) << "the box is 4 x 4 x 6";
-  EXPECT_EQ(seeds.at(7), glm::dvec3(3.5, 3, 3));
+  EXPECT_EQ(seeds.at(0).point, glm::dvec3(0.5, 1, 3)) << "the box is 4 x 4 x 6";
+  EXPECT_EQ(seeds.at(7).point, glm::dvec3(3.5, 3, 3));
 }
 
 TEST(Seeds, OfALineHaveBothEnds) {
   const auto seeds = seedsOf(R"({"shape": "line", "from": [1, 2, 3], "to": [2, 2, 1], "count": 5})", 2);
   ASSERT_EQ(seeds.size(), 5u);
-  EXPECT_EQ(seeds.at(0), glm::dvec3(1, 2, 3));
-  EXPECT_EQ(seeds.at(2), glm::dvec3(1.5, 2, 2));
-  EXPECT_EQ(seeds.at(4), glm::dvec3(2, 2, 1));
+  EXPECT_EQ(seeds.at(0).point, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(seeds.at(2).point, glm::dvec3(1.5, 2, 2));
+  EXPECT_EQ(seeds.at(4).point, glm::dvec3(2, 2, 1));
 }
 
 TEST(Seeds, AreTheSameOnAnyRanks) {

@@ -10,17 +10,6 @@
 namespace gxy::test {
 namespace {
 
-Grid oddGrid() {
-  Grid grid;
-  grid.points = {12, 9, 7};
-  grid.origin = {-1, 2, 0.5};
-  grid.spacing = {0.5, 0.25, 1};
-  return grid;
-}
-
-/// A trilinear function: linear in each coordinate.
-double trilinear(glm::dvec3 p) { return 1 + 2 * p.x - p.y + 0.5 * p.z + p.x * p.y * p.z; }
-
 std::shared_ptr<const Dataset> points(const WholeVolume& whole, const Cut& cut, Collectives& ranks,
                                       const std::string& properties) {
   FilterRun run(ranks, {{"domain", {{"v", {}, 1, datasetOf(whole, cut, ranks.rank())}}}}, freeServices());
@@ -39,7 +28,7 @@ MadePoints interpolated(const WholeVolume& whole, const Cut& cut, const std::str
 }
 
 TEST(Interpolate, OfATrilinearFieldIsTheField) {
-  const WholeVolume whole = sampled(oddGrid(), trilinear);
+  const WholeVolume whole = sampled(oddGrid({12, 9, 7}), trilinear);
   const MadePoints made = interpolated(whole, lattice(whole.grid.box(), {2, 2, 2}, 3),
                                        R"({"shape": "box", "count": 5000, "seed": 4})");
   ASSERT_EQ(made.points.size(), 5000u) << made.error;
@@ -48,7 +37,8 @@ TEST(Interpolate, OfATrilinearFieldIsTheField) {
 }
 
 TEST(Interpolate, GivesTheSameValuesOnAnyRanksAndCuts) {
-  const WholeVolume whole = sampled(oddGrid(), [](glm::dvec3 p) { return std::sin(7 * p.x + p.y * p.z); });
+  const WholeVolume whole =
+      sampled(oddGrid({12, 9, 7}), [](glm::dvec3 p) { return std::sin(7 * p.x + p.y * p.z); });
   const std::string seeds = R"({"shape": "grid", "dimensions": [23, 17, 13]})";
   const auto one = interpolated(whole, test::whole(whole.grid.box()), seeds).points;
   for (const Cut& cut : manyCuts(whole.grid.box(), 3))
@@ -57,7 +47,7 @@ TEST(Interpolate, GivesTheSameValuesOnAnyRanksAndCuts) {
 
 TEST(Interpolate, OfPointsOutsideAndWithoutDataIsNothingAndIsCounted) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const WholeVolume whole = sampled(oddGrid(), [&](glm::dvec3 p) { return p.x > 3 ? nan : 5.0; });
+  const WholeVolume whole = sampled(oddGrid({12, 9, 7}), [&](glm::dvec3 p) { return p.x > 3 ? nan : 5.0; });
   const MadePoints made = interpolated(
       whole, lattice(whole.grid.box(), {2, 1, 1}, 2),
       R"({"shape": "points", "points": [[0, 3, 2], [-1, 2, 0.5], [4.5, 4, 6.5], [-1.001, 3, 2], [3.9, 3, 2], [0, 3, 1e9]]})");
@@ -70,7 +60,7 @@ TEST(Interpolate, OfPointsOutsideAndWithoutDataIsNothingAndIsCounted) {
 }
 
 TEST(Interpolate, OfVectorsIsAComponentOrTheMagnitude) {
-  WholeVolume whole = sampled(oddGrid(), [](glm::dvec3) { return 0.0; });
+  WholeVolume whole = sampled(oddGrid({12, 9, 7}), [](glm::dvec3) { return 0.0; });
   const size_t n = whole.samples.size() / sizeof(float);
   std::vector<float> values;
   for (size_t i = 0; i < n; i++) values.insert(values.end(), {3, float(i % 2), 4});

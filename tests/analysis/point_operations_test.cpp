@@ -241,9 +241,8 @@ TEST(PointOperations, TheBitsOfFunctionsStay) {
   EXPECT_EQ(hash, 3394276336316710024u);
 }
 
-TEST(PointOperations, AllInstructionSetsGiveTheSameBits) {
-  if (!__builtin_cpu_supports("avx512f") || !__builtin_cpu_supports("avx2"))
-    GTEST_SKIP() << "this processor lacks some";
+TEST(PointOperations, AllInstructionSetsOfThisProcessorGiveTheSameBits) {
+  const bool there[] = {true, bool(__builtin_cpu_supports("avx2")), bool(__builtin_cpu_supports("avx512f"))};
   Random random(5);
   Row a, b;
   for (int i = 0; i < 20011; ++i) {
@@ -254,15 +253,16 @@ TEST(PointOperations, AllInstructionSetsGiveTheSameBits) {
     a.push_back(x), b.push_back(-x);
   const auto expectSame = [&](auto... kernels) {
     std::vector<std::vector<uint64_t>> bits;
+    size_t set = 0;
     for (const auto& kernel : {std::function<void(double*)>(kernels)...}) {
+      if (!there[set++]) continue;
       Row to(a.size());
       kernel(to.data());
       for (double& x : to) x = x == x ? x : kNone;
       bits.emplace_back();
       for (const double x : to) bits.back().push_back(std::bit_cast<uint64_t>(x));
     }
-    EXPECT_EQ(bits[0], bits[1]);
-    EXPECT_EQ(bits[0], bits[2]);
+    for (const auto& others : bits) EXPECT_EQ(others, bits[0]);
   };
   const auto n = int32_t(a.size());
   const auto unary = [&](auto kernel) { return [=, &a](double* to) { kernel(a.data(), to, n); }; };

@@ -11,16 +11,6 @@
 namespace gxy::test {
 namespace {
 
-Grid sourceGrid() {
-  Grid grid;
-  grid.points = {11, 9, 7};
-  grid.origin = {-1, 2, 0.5};
-  grid.spacing = {0.5, 0.25, 1};
-  return grid;
-}
-
-double product(glm::dvec3 p) { return 1 + 2 * p.x - p.y + 0.5 * p.z + p.x * p.y * p.z; }
-
 struct Made {
   std::map<std::array<int64_t, 3>, float> values;  ///< by point, from all blocks with their ghosts
   Grid grid;
@@ -73,7 +63,7 @@ void expectAlike(const Made& a, const Made& b, const std::string& what) {
 }
 
 TEST(Resample, OfATrilinearFieldIsTheFieldOnAFinerAndACoarserGrid) {
-  const WholeVolume whole = sampled(sourceGrid(), product);
+  const WholeVolume whole = sampled(oddGrid({11, 9, 7}), trilinear);
   for (const char* properties : {R"({"dimensions": [31, 17, 20]})", R"({"dimensions": [3, 2, 4]})",
                                  R"({"dimensions": [7, 8, 9], "box": [0, 1, 2.5, 3, 1, 6]})"}) {
     const Made made = resampled(whole, lattice(whole.grid.box(), {2, 2, 2}, 3), properties);
@@ -82,13 +72,14 @@ TEST(Resample, OfATrilinearFieldIsTheFieldOnAFinerAndACoarserGrid) {
     EXPECT_EQ(made.told.at("outside"), 0);
     for (const auto& [at, value] : made.values) {
       const glm::dvec3 p = made.grid.origin + made.grid.spacing * glm::dvec3(at[0], at[1], at[2]);
-      ASSERT_NEAR(value, product(p), 2e-5) << properties;
+      ASSERT_NEAR(value, trilinear(p), 2e-5) << properties;
     }
   }
 }
 
 TEST(Resample, IsTheSameOnAnyRanksAndCuts) {
-  const WholeVolume whole = sampled(sourceGrid(), [](glm::dvec3 p) { return std::sin(5 * p.x) + p.y * p.z; });
+  const WholeVolume whole =
+      sampled(oddGrid({11, 9, 7}), [](glm::dvec3 p) { return std::sin(5 * p.x) + p.y * p.z; });
   const std::string properties = R"({"dimensions": [19, 23, 12]})";
   const Made one = resampled(whole, test::whole(whole.grid.box()), properties);
   ASSERT_EQ(one.values.size(), 19u * 23 * 12);
@@ -97,8 +88,8 @@ TEST(Resample, IsTheSameOnAnyRanksAndCuts) {
 }
 
 TEST(Resample, LikeAnotherVolumeHasItsGridAndNoDataOutside) {
-  const WholeVolume whole = sampled(sourceGrid(), product);
-  Grid larger = sourceGrid();
+  const WholeVolume whole = sampled(oddGrid({11, 9, 7}), trilinear);
+  Grid larger = oddGrid({11, 9, 7});
   larger.origin = {-2, 2, 0.5};
   larger.spacing = {0.6, 0.25, 1};
   larger.points = {13, 9, 7};
@@ -119,7 +110,7 @@ TEST(Resample, LikeAnotherVolumeHasItsGridAndNoDataOutside) {
 }
 
 TEST(Resample, ABoxBeyondTheDomainIsRefused) {
-  const WholeVolume whole = sampled(sourceGrid(), product);
+  const WholeVolume whole = sampled(oddGrid({11, 9, 7}), trilinear);
   const Made made = resampled(whole, test::whole(whole.grid.box()), R"({"box": [0, 9, 2, 3, 1, 2]})");
   EXPECT_NE(made.error.find("the box reaches beyond the domain of the partitioning of \"f\""),
             std::string::npos)

@@ -399,25 +399,11 @@ TEST(Statistics, GeometryWithoutValuesHasNoDataAndTrianglesAreAnError) {
 TEST(Statistics, ACancelOnOneRankEndsAll) {
   const Grid grid{{0, 0, 0}, {1, 1, 1}, {30, 20, 20}};
   const Partitioning cut = decomposed(grid, 4, 2);
-  struct Cancelled final : Collectives {
-    Cancelled(Collectives& all, int after) : ranks(all), left(after) {}
-    int rank() const override { return ranks.rank(); }
-    int size() const override { return ranks.size(); }
-    std::vector<Bytes> allGather(Bytes mine) override { return ranks.allGather(std::move(mine)); }
-    std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override {
-      return ranks.allToAll(std::move(perRank));
-    }
-    void check() const override {
-      if (--left < 0) throw Error("cancelled");
-    }
-    Collectives& ranks;
-    mutable std::atomic<int> left;
-  };
   for (const int after : {0, 3, 7, 12, 15}) {
     test::ThreadRanks two(2);
     const auto errors = two.run([&](Collectives& threadRank) {
       const auto volume = test::volumeOf(wild(1), grid, cut, threadRank);
-      Cancelled ranks(threadRank, threadRank.rank() == 1 ? after : 1 << 30);
+      test::CancelledRanks ranks(threadRank, threadRank.rank() == 1 ? after : 1 << 30);
       fieldStatistics(*volume, cut, ranks, everything());
     });
     EXPECT_EQ(errors, std::vector<std::string>(2, "rank 1: cancelled")) << after;

@@ -140,7 +140,7 @@ TEST(DataPort, TooManyBlocksEndTheStream) {
   many.meshes[1].name = "other", many.meshes[1].fields[0].name = "u";
   many.parts.push_back(many.parts[0]);
   const auto raw = p.connect();
-  raw->send(message(MessageChannel::Describe, written(many)));
+  ASSERT_TRUE(raw->send(message(MessageChannel::Describe, written(many)), 60000));
   EXPECT_NE(p.reason(*raw).find("more than 2^20 blocks together"), std::string::npos);
   until([&] { return p.client->expect("insitu.streams").at("streams").empty(); }, "the end of the stream");
 }

@@ -15,12 +15,10 @@ namespace {
 
 using namespace vulkan;
 
-constexpr int kProbes = 41;
-
 std::vector<float> probesInGlsl() {
   const Device device(vulkan_test::testDevice());
   const Pipelines pipelines(device);
-  std::vector<float> results(size_t(kProbes) * kProbeInputs);
+  std::vector<float> results(size_t(PROBES) * kProbeInputs);
   const Buffer out(device, results.size() * sizeof(float), Place::Readback, "probes");
   const vulkan_test::TestShader shader(device, pipelines, dialect_spirv);
   shader.run(VK_NULL_HANDLE, std::span(&out, 1), kProbeInputs,

@@ -2,9 +2,14 @@
 // Module example: the paper's data range and its data-parallel filter, on several ranks.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <fstream>
 #include <future>
+#include <iterator>
 
+#include "core/analysis/pointwise.h"
 #include "multiserver/server/datasets.h"
 #include "tests/multiserver/test_server.h"
 
@@ -137,91 +142,180 @@ TEST(Example, ItsWorksLookAtAllSamplesAndLeaveTheWorkersToFrames) {
       EXPECT_EQ(server.serverRank(rank).work.runsOf(name), Work::Runs::Long) << name;
 }
 
-/// A server on whose rank 1 nothing arrives until told; messages to rank 0 go on.
-struct Held {
-  Held() {
+/// The same volume. Where it is told to, it stops on rank 0 until it may go on, or until its request is cancelled.
+struct Pause {
+  struct Stop {
+    std::promise<void> begun, goOn;
+  };
+  static inline std::atomic<Stop*> stop = nullptr;  ///< of the run that comes next
+
+  static FilterInfo info() {
+    return {"Pause", 1, "The same volume.", {{"source", kVolumes, "."}}, DatasetType::Volume};
+  }
+  static std::vector<KeyRow<Pause>> properties() { return {}; }
+  FilterResult run(FilterRun& run) const {
+    run.begin(0, 2, "pause");
+    agree(run.ranks, [&] {
+      Stop* const here = run.ranks.rank() == 0 ? stop.exchange(nullptr) : nullptr;
+      if (!here) return;
+      here->begun.set_value();
+      const auto goesOn = here->goOn.get_future();
+      while (goesOn.wait_for(std::chrono::milliseconds(1)) == std::future_status::timeout) run.ranks.check();
+    });
+    return pointwise(run, run.input("source"), "pause", [](double value) { return float(value); });
+  }
+};
+
+std::string pause(const std::string& source, const std::string& name) {
+  return "make " + json{{"name", name}, {"filter", "Pause"}, {"inputs", {{"source", source}}}}.dump();
+}
+
+struct PauseServer : TestServer {
+  static ServerSetup setup() {
     ServerSetup setup;
     setup.modules = GALAXY_MODULES;
-    server = std::make_unique<TestServer>(std::move(setup));
+    return setup;
   }
-  ~Held() {
-    if (holds) goOn.set_value();
+  PauseServer() : TestServer(setup()) {
+    for (int rank = 0; rank < 2; rank++) serverRank(rank).filters.add(makeFilter<Pause>());
   }
-  void hold() {
-    holds = true;
-    std::promise<void> begun;
-    server->serverRank(1).transport.onMessage(
-        Channel::Test, [&begun, released = goOn.get_future().share()](int, const Bytes&) {
-          begun.set_value();
-          released.wait();
-        });
-    server->serverRank(1).transport.send(1, Channel::Test, {});
-    begun.get_future().wait();
-  }
-  void release() {
-    holds = false;
-    goOn.set_value();
-  }
-  bool holds = false;
-  std::promise<void> goOn;
-  std::unique_ptr<TestServer> server;
 };
 
 TEST(Example, AFilterThatIsCancelledMakesNothing) {
-  Held held;
-  std::promise<json> begun;
+  PauseServer server;
+  std::promise<json> told;
   std::once_flag once;
-  auto options = held.server->options();
+  auto options = server.options();
   options.onEvent = [&](const json& event) {
-    if (event.at("event") == "progress" && event.at("text") == "threshold")
-      std::call_once(once, [&] { begun.set_value(event); });
+    if (event.at("event") == "progress" && event.at("text") == "pause")
+      std::call_once(once, [&] { told.set_value(event); });
   };
   Client client(options);
-  for (const char* module : {"data", "analysis", "example"}) client.expect(std::string("load ") + module);
+  for (const char* module : {"data", "analysis"}) client.expect(std::string("load ") + module);
   client.expect(importBall("ball"));
-  held.hold();
+  Pause::Stop stop;
+  Pause::stop = &stop;
   std::promise<Reply> made;
-  const uint32_t id =
-      client.send(threshold("ball", "shell", 0.5, 1), [&](const Reply& reply) { made.set_value(reply); });
-  const json progress = begun.get_future().get();
+  const uint32_t id = client.send(pause("ball", "shell"), [&](const Reply& reply) { made.set_value(reply); });
+  stop.begun.get_future().wait();
+  const json progress = told.get_future().get();
   EXPECT_EQ(progress.at("request"), id);
   EXPECT_EQ(progress.at("done"), 0);
   EXPECT_EQ(progress.at("of"), 2 * Exchanges::kUnits);
-  client.expect("cancel " + std::to_string(id));  // rank 0 is at it, rank 1 has not heard of it
-  held.release();
+  client.expect("cancel " + std::to_string(id));
   EXPECT_EQ(made.get_future().get().error, "cancelled");
   EXPECT_EQ(client.expect("list").at("datasets").size(), 1u);
   client.expect("drop ball");
-  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(held.server->serverRank(rank).ledger.total("user"), 0);
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server.serverRank(rank).ledger.total("user"), 0);
 }
 
-// It pins what the name means once it has it: pinned before, the source would be in the way of its own next generation.
-TEST(Example, AFilterWhoseResultIsItsSourceWaitsForItsTurn) {
-  Held held;
-  std::promise<void> begun;
-  std::once_flag once;
-  auto options = held.server->options();
-  options.onEvent = [&](const json& event) {
-    if (event.at("event") == "progress" && event.at("text") == "threshold")
-      std::call_once(once, [&] { begun.set_value(); });
+TEST(Example, AFilterWhoseResultIsItsSourceIsRefused) {
+  PauseServer server;
+  const auto client = server.client();
+  for (const char* module : {"data", "analysis"}) client->expect(std::string("load ") + module);
+  client->expect(importBall("ball"));
+  const std::string error = client->request(pause("ball", "ball")).error;
+  EXPECT_NE(error.find("expected no cycle: \"ball\" of \"ball\""), std::string::npos) << error;
+}
+
+/// A document with a live volume "ball", a threshold "shell" of it, and `more` entries.
+json documentOf(double largest, const json& more = json::array()) {
+  json entries{{{"name", "ball"}, {"type", "Volume"}},
+               {{"name", "shell"},
+                {"type", "Volume"},
+                {"filter", "Threshold"},
+                {"inputs", {{"source", "ball"}}},
+                {"least", 0.5},
+                {"largest", largest}}};
+  for (const json& entry : more) entries.push_back(entry);
+  json document = json::parse(stateOf("shell"));
+  document["Datasets"] = entries;
+  return document;
+}
+
+TEST(DocumentFilters, AreMadeAgainWhereTheDocumentOrItsDataHaveChanged) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  TestServer server(std::move(setup));
+  const auto client = server.client();
+  for (const char* module : {"data", "viewer", "example"}) client->expect(std::string("load ") + module);
+  client->expect(importBall("ball"));
+  client->expect("window 1");
+  // The generation of the threshold, and that of its input.
+  const auto made = [&](double largest) {
+    client->expect("set 1 " + documentOf(largest).dump());
+    const json info = client->expect("info shell").at("datasets").at(0);
+    return json{info.at("generation"), info.at("provenance").at("inputs").at(0).at("generation")};
   };
-  Client client(options);
-  const auto other = held.server->client();
-  for (Client* each : {&client, other.get()})
-    for (const char* module : {"data", "analysis", "example"}) each->expect(std::string("load ") + module);
-  client.expect(importBall("ball"));
-  held.hold();
-  std::promise<Reply> first, second;
-  client.send(threshold("ball", "ball", 0, 1), [&](const Reply& reply) { first.set_value(reply); });
-  begun.get_future().wait();
-  other->send(threshold("ball", "ball", 0, 2), [&](const Reply& reply) { second.set_value(reply); });
-  other->expect("list");  // the request before it has begun
-  held.release();
-  EXPECT_EQ(first.get_future().get().error, "");
-  EXPECT_EQ(second.get_future().get().error, "");
-  const json info = client.expect("info ball").at("datasets").at(0);
-  EXPECT_EQ(info.at("generation"), 3);
-  EXPECT_EQ(info.at("provenance").at("inputs").at(0).at("generation"), 2);
+  EXPECT_EQ(made(1), (json{1, 1}));
+  EXPECT_EQ(made(1), (json{1, 1})) << "it is made already";
+  client->expect(importBall("ball"));
+  EXPECT_EQ(made(1), (json{2, 2}));
+  EXPECT_EQ(made(1.5), (json{3, 2}));
+  client->expect("drop ball");
+  client->expect(importBall("ball"));
+  EXPECT_EQ(made(1.5), (json{4, 1})) << "another dataset of the same name";
+  client->expect("drop shell");
+  client->expect(importBall("shell"));
+  client->expect("set 1 " + documentOf(1).dump());
+  EXPECT_FALSE(client->expect("info shell").at("datasets").at(0).contains("provenance"))
+      << "whoever reads a file under this name wants that";
+}
+
+TEST(DocumentFilters, SeeDataOfOneMomentAndSoDoPictures) {
+  PauseServer server;
+  const auto client = server.client(), other = server.client();
+  for (const auto* each : {&client, &other})
+    for (const char* module : {"data", "viewer", "example"}) (*each)->expect(std::string("load ") + module);
+  writeBall(server.folder().path().string(), "other", 16, 0.7F);
+  const auto generations = [&] {
+    json found;
+    for (const char* name : {"pause", "shell"})
+      found.push_back(client->expect(std::string("info ") + name)
+                          .at("datasets")
+                          .at(0)
+                          .at("provenance")
+                          .at("inputs")
+                          .at(0)
+                          .at("generation"));
+    return found;
+  };
+  json document = documentOf(
+      1,
+      json{{{"name", "pause"}, {"type", "Volume"}, {"filter", "Pause"}, {"inputs", {{"source", "ball"}}}}});
+  std::swap(document["Datasets"][1], document["Datasets"][2]);  // the threshold comes after the pause
+  json& operators = document["Visualization"]["operators"];
+  operators[0]["isovalues"] = {0.5};
+  for (const char* name : {"ball", "pause"})
+    operators.push_back(
+        {{"type", "Volume"}, {"dataset", name}, {"isovalues", {1.1}}, {"data range", {0, 1.7}}});
+  const auto batch = [&](const std::string& prefix) {
+    return "batch " + json{{"state", document}, {"prefix", prefix}}.dump();
+  };
+  const auto picture = [&](const std::string& prefix) {
+    std::ifstream file(server.folder().path() / (prefix + "_00000.png"), std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  client->expect(importBall("ball"));
+  client->expect(batch("before"));
+  EXPECT_EQ(generations(), (json{1, 1}));
+  for (const char* name : {"pause", "shell"}) client->expect(std::string("drop ") + name);
+
+  Pause::Stop stop;
+  Pause::stop = &stop;
+  std::promise<Reply> done;
+  client->send(batch("meanwhile"), [&](const Reply& reply) { done.set_value(reply); });
+  stop.begun.get_future().wait();
+  other->expect(importBall("ball", "other.vol"));
+  stop.goOn.set_value();
+  EXPECT_EQ(done.get_future().get().error, "");
+  EXPECT_EQ(generations(), (json{1, 1}));
+  EXPECT_FALSE(picture("before").empty());
+  EXPECT_TRUE(picture("meanwhile") == picture("before"));
+
+  client->expect(batch("after"));
+  EXPECT_EQ(generations(), (json{2, 2}));
+  EXPECT_FALSE(picture("after") == picture("before"));
 }
 
 }  // namespace

@@ -44,19 +44,19 @@ class RawClient {
     socket_ = -1;
   }
 
-  /// What can be sent within 100 ms; false if not all.
-  bool send(std::span<const std::byte> bytes) {
+  /// Sends until there has been no room for so long; false if not all is sent.
+  bool send(std::span<const std::byte> bytes, int milliseconds = 100) {
     while (!bytes.empty()) {
       pollfd ready{socket_, POLLOUT, 0};
-      if (::poll(&ready, 1, 100) <= 0) return false;
+      if (::poll(&ready, 1, milliseconds) <= 0) return false;
       const ssize_t n = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
       if (n <= 0) return false;
       bytes = bytes.subspan(size_t(n));
     }
     return true;
   }
-  bool send(const protocol::WireMessage& frame) {
-    return send(protocol::headerOf(frame)) && send(frame.payload);
+  bool send(const protocol::WireMessage& frame, int milliseconds = 100) {
+    return send(protocol::headerOf(frame), milliseconds) && send(frame.payload, milliseconds);
   }
   bool request(uint32_t id, const std::string& text) {
     return send(protocol::textMessage(protocol::MessageChannel::Request, id, text));

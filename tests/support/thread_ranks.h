@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ranks that are threads of the test, for what is collective.
 #pragma once
+#include <atomic>
 #include <barrier>
 #include <exception>
 #include <string>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "core/comm/collectives.h"
+#include "core/comm/error.h"
 
 namespace gxy::test {
 
@@ -56,6 +58,25 @@ class ThreadRanks {
   };
   std::barrier<> barrier_;
   std::vector<std::vector<Bytes>> boxes_;
+};
+
+/// Ranks that are cancelled after some calls of check().
+class CancelledRanks final : public Collectives {
+ public:
+  CancelledRanks(Collectives& ranks, int after) : ranks_(ranks), left_(after) {}
+  int rank() const override { return ranks_.rank(); }
+  int size() const override { return ranks_.size(); }
+  std::vector<Bytes> allGather(Bytes mine) override { return ranks_.allGather(std::move(mine)); }
+  std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override {
+    return ranks_.allToAll(std::move(perRank));
+  }
+  void check() const override {
+    if (--left_ < 0) throw Error("cancelled");
+  }
+
+ private:
+  Collectives& ranks_;
+  mutable std::atomic<int> left_;
 };
 
 }  // namespace gxy::test

@@ -12,17 +12,15 @@
 #include <optional>
 
 #include "backends/registry/backends.h"
-#include "core/analysis/sampler.h"
-#include "core/analysis/tracer.h"
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
 #include "core/comm/mpi_environment.h"
 #include "core/comm/mpi_transport.h"
 #include "core/look/file_facts.h"
-#include "core/rays/field_maker.h"
 #include "core/render/renderer.h"
 #include "core/scene/data_files.h"
 #include "core/scene/state_file.h"
+#include "tools/gxyrender/filter_place.h"
 #include "tools/gxyrender/load.h"
 #include "tools/gxyrender/options.h"
 #include "tools/gxyrender/pictures.h"
@@ -211,45 +209,6 @@ double renderAll(const State& state, const LoadedState& loaded, const RenderOpti
   return progress.cpuPictures;
 }
 
-// What filters are given on a rank.
-struct FilterPlace {
-  FilterPlace(MpiTransport& transport, const BackendRegistry& registry, const Backend& backend,
-              Ledger& ledger)
-      : tracer(transport, options(ledger)),
-        fieldMaker(backend, registry, &ledger),
-        sampler(transport, backend, samplerOptions(transport, registry, ledger)) {
-    services.takeMemory = [&ledger](const std::string& purpose, int64_t bytes) {
-      return ledger.enter(kTenant, purpose, bytes);
-    };
-    services.tracer = &tracer;
-    services.fieldMaker = &fieldMaker;
-    services.sampler = &sampler;
-    services.tenant = kTenant;
-  }
-  static Tracer::Options options(Ledger& ledger) {
-    Tracer::Options o;
-    o.ledger = &ledger;
-    o.tenant = kTenant;
-    o.runners = 0;
-    return o;
-  }
-
-  static Sampler::Options samplerOptions(const MpiTransport& transport, const BackendRegistry& registry,
-                                         Ledger& ledger) {
-    Sampler::Options o;
-    o.runners = transport.threads();
-    o.ledger = &ledger;
-    o.tenant = kTenant;
-    o.other = registry.forFields();
-    return o;
-  }
-
-  Tracer tracer;
-  FieldMaker fieldMaker;
-  Sampler sampler;
-  FilterServices services;
-};
-
 // Where a run takes place; the same for all its steps.
 struct Place {
   MpiTransport& transport;
@@ -341,7 +300,7 @@ int run(const RenderOptions& options) {
       std::unique_ptr<Backend> backend;
       if (!options.reference) agree(ranks, [&] { backend = registry.make(options.backend, &ledger); });
       std::optional<FilterPlace> filterPlace;
-      if (backend) filterPlace.emplace(transport, registry, *backend, ledger);
+      if (backend) filterPlace.emplace(transport, transport.threads(), registry, *backend, ledger);
       std::vector<ShownSoFar> shown;
       RenderOptions numbered = options;
       for (size_t step = 0; step < steps.count(); step++) {
@@ -354,7 +313,7 @@ int run(const RenderOptions& options) {
         else
           shown = renderStep(
               steps.at(step), steps.directory, numbered,
-              {transport, collective, ranks, ledger, *backend, filterPlace->services, root, showProgress},
+              {transport, collective, ranks, ledger, *backend, filterPlace->services(), root, showProgress},
               std::move(shown));
         numbered.firstPicture += state.cameras.size() * state.visualizations.size();
       }

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/gxyrender/reference_run.h"
 
+#include <algorithm>
 #include <iostream>
+#include <optional>
 
+#include "backends/registry/backends.h"
 #include "core/comm/error.h"
+#include "core/comm/in_process.h"
+#include "tools/gxyrender/filter_place.h"
 #include "tools/gxyrender/load.h"
 #include "tools/gxyrender/pictures.h"
 #include "tools/gxyrender/reference_scene.h"
@@ -17,7 +22,18 @@ std::vector<ShownSoFar> renderWithReference(const State& state, const std::strin
   Ledger ledger;
   RenderOptions whole = options;
   whole.partitions = {1, 1, 1};
-  const LoadedState loaded = loadData(state, directory, whole, alone, ledger, std::move(shown));
+  // Filters run on one rank of this process's own.
+  InProcessWorld world(1, 0, {.threaded = true, .onError = {}});
+  const BackendRegistry registry = allBackends({});
+  std::unique_ptr<Backend> backend;
+  std::optional<FilterPlace> place;
+  if (std::any_of(state.datasets.begin(), state.datasets.end(),
+                  [](const DatasetSpec& d) { return !d.filter.empty(); })) {
+    backend = registry.forFields()(&ledger);
+    place.emplace(world.rank(0), options.threads, registry, *backend, ledger);
+  }
+  const LoadedState loaded = loadData(state, directory, whole, alone, ledger, std::move(shown),
+                                      standardFilters(), place ? place->services() : FilterServices());
   for (size_t c = 0; c < state.cameras.size(); c++)
     for (size_t v = 0; v < state.visualizations.size(); v++) {
       const reference::ReferenceScene scene = referenceScene(state, loaded, v);

@@ -30,11 +30,9 @@ json make(Request& request) {
                   " has no `filter`; expected entries with filters, `import` reads files");
   json results = json::array();
   std::string text;
-  FilterRuns& runs = *request.session().serverRank().filterRuns;
-  for (const size_t i : evaluationOrder(entries)) {
-    json told = runs.make(request, entries[i], scope);
-    text += (text.empty() ? "" : "\n") + textOf(entries[i], told);
-    results.push_back(std::move(told));
+  for (const auto& made : request.session().serverRank().filterRuns->make(request, entries, scope)) {
+    text += (text.empty() ? "" : "\n") + textOf(entries[made.entry], made.told);
+    results.push_back(made.told);
   }
   for (const std::string& w : file.warnings) text += "\nwarning: " + w;
   return {{"results", results}, {"warnings", file.warnings}, {"text", text}};

@@ -13,6 +13,7 @@
 #include "multiserver/protocol/json.h"
 #include "multiserver/rendering/cost.h"
 #include "multiserver/rendering/data_hold.h"
+#include "multiserver/server/filter_runs.h"
 
 namespace gxy::viewer {
 
@@ -86,11 +87,9 @@ class Run {
       names.push_back(nameOf(batch_, i));
       if (!batch_.toClient) paths_.push_back(services_.serverRank.folders.toWrite(nameOf(batch_, i)));
     }
-    for (size_t i = 0; i < shown_.size(); i++)
-      job_->scenes.push_back(services_.scenes
-                                 .get(request_.session().tenant(), batch_.state.visualizations[i],
-                                      batch_.state.settings, asker_, shown_[i])
-                                 .scene);
+    PinnedData pinned;
+    std::vector<std::string> warnings = look(pinned);
+    pinned.clear();
     const auto wanted = services_.serverRank.observers.subscribe({}, [this](const ObjectEvent& event) {
       if (event.kind == ObjectEvent::Kind::Wanted) letGo(event.key, event.generation);
     });
@@ -103,6 +102,7 @@ class Run {
     check();  // the last picture, too
     request_.progress(int64_t(total_), int64_t(total_), "rendered");
     return {{"pictures", names},
+            {"warnings", std::move(warnings)},
             {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()},
             {"text", std::to_string(total_) + " pictures"}};
   }
@@ -209,20 +209,41 @@ class Run {
     if (const auto at = job_->inFlight.find(index); at != job_->inFlight.end()) at->second.id = id;
   }
 
+  // Makes what the document has and the scenes of all visualizations, of the data of one moment. `pinned` gets the data that they show.
+  // Returns what of the files is not used.
+  std::vector<std::string> look(PinnedData& pinned) {
+    std::vector<std::string> names, warnings;
+    for (const Visualization& v : batch_.state.visualizations)
+      for (const Vis& vis : v.operators) names.push_back(vis.dataset);
+    Datasets::Import what;
+    what.specs = batch_.state.datasets;
+    what.onlyMissing = true;
+    if (!what.specs.empty())
+      warnings = services_.serverRank.filterRuns->importAndMake(request_, std::move(what), names, pinned);
+    std::vector<ScenePtr> scenes;
+    for (size_t i = 0; i < shown_.size(); i++) scenes.push_back(sceneOf(i, nullptr, pinned).scene);
+    const std::lock_guard lock(job_->mutex);
+    job_->scenes.swap(scenes);
+    return warnings;
+  }
+
+  SceneCache::Pinned sceneOf(size_t visualization, const ScenePtr& known, const PinnedData& pinned) {
+    return services_.scenes.get(request_.session().tenant(), batch_.state.visualizations[visualization],
+                                batch_.state.settings, asker_, shown_[visualization], known, &pinned);
+  }
+
   // Returns the scene of a picture, with its data pinned. The scene is kept for the visualization's next picture.
   SceneCache::Pinned sceneOf(size_t index) {
-    ScenePtr kept, before;  // destroyed without the lock
-    {
+    const size_t visualization = index % shown_.size();
+    const auto kept = [&] {
       const std::lock_guard lock(job_->mutex);
-      kept = job_->scenes[index % shown_.size()];
-    }
-    SceneCache::Pinned pinned = services_.scenes.get(request_.session().tenant(), visualizationOf(index),
-                                                     batch_.state.settings, asker_, shownOf(index), kept);
-    if (pinned.scene != kept) {
-      const std::lock_guard lock(job_->mutex);
-      before = std::exchange(job_->scenes[index % shown_.size()], pinned.scene);
-    }
-    return pinned;
+      return job_->scenes[visualization];
+    };
+    if (const ScenePtr scene = kept())
+      if (auto pinned = services_.scenes.pin(request_.session().tenant(), scene)) return *std::move(pinned);
+    PinnedData pinned;
+    look(pinned);
+    return sceneOf(visualization, kept(), pinned);
   }
 
   PictureFormat formatOf(size_t index, const Camera& camera, const SceneHandle& scene) {

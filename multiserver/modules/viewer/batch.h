@@ -17,8 +17,9 @@ struct BatchRender {
   int concurrent = 4;
 };
 
-/// Renders every visualization with every camera, cameras outermost; returns `pictures` and `seconds`. Waits; tells the
-/// request its progress, and ends when it is cancelled. Throws Error.
+/// Reads and makes what the document has and the tenant has not, then renders every visualization with every camera, cameras
+/// outermost; returns `pictures`, `seconds` and `warnings`. Pictures of data that filters make show all data of one moment. Waits; tells
+/// the request its progress, and ends when it is cancelled. Throws Error.
 nlohmann::json renderBatch(Services& services, Request& request, const BatchRender& batch);
 
 }  // namespace gxy::viewer

@@ -350,8 +350,8 @@ json batch(Services& services, Request& request, Arguments arguments) {
   std::vector<std::string> warnings;
   const BatchRender batch = readBatch(request, arguments.expectJson(), warnings);
   const LedgerEntry room = roomFor(batch.state, request.session());
-  for (std::string& w : importMissing(request, batch.state.datasets)) warnings.push_back(std::move(w));
   json result = renderBatch(services, request, batch);
+  for (const json& w : result["warnings"]) warnings.push_back(w);
   result["warnings"] = warnings;
   if (!warnings.empty()) result["text"] = result["text"].get<std::string>() + "\n" + textOf(warnings);
   return result;
@@ -452,10 +452,9 @@ json show(Services& services, Request& request, Arguments arguments) {
   batch.toClient = true;
   batch.prefix = batch.state.visualizations[0].operators[0].dataset;
   std::replace(batch.prefix.begin(), batch.prefix.end(), '/', '_');
-  const std::vector<std::string> warnings = importMissing(request, batch.state.datasets);
   json result = renderBatch(services, request, batch);
   result["state"] = json::parse(writeState(batch.state));
-  result["warnings"] = warnings;
+  const auto warnings = result["warnings"].get<std::vector<std::string>>();
   std::string command = "gxyviewer";
   for (const std::string& name : names) command += " " + name;
   std::string text = result["pictures"].at(0).get<std::string>() + "; to turn it: " + command;

@@ -106,7 +106,7 @@ void Window::compile(Frame& frame, Snapshot& snapshot, const Asker& asker) {
   SceneCache::Pinned pinned;
   try {
     pinned = services_.scenes.get(tenant_, state.visualizations[0], state.settings, asker, snapshot.shown,
-                                  snapshot.scene, snapshot.given());
+                                  snapshot.scene, nullptr, snapshot.given());
   } catch (const Error&) {
     // A client that has cancelled the making of an edited scene makes the next edit. That scene, too, can
     // take over parts of the scene before the edits, so that one is put back. After another error, such as a
@@ -238,7 +238,7 @@ void Window::beginWithNewData(const FramePtr& frame) {
     if (ofGraph && !content.visualization) throw Error(content.text);
     SceneCache::Pinned pinned =
         services_.scenes.get(tenant_, frame->state.visualizations[0], frame->state.settings, asker, shown,
-                             nullptr, ofGraph ? &content.data : nullptr);
+                             nullptr, nullptr, ofGraph ? &content.data : nullptr);
     const std::lock_guard lock(mutex_);
     if (state_.visualizations == frame->state.visualizations) shown_ = shown;
     if (Camera camera = frame->state.cameras[0]; camera.fit) {
