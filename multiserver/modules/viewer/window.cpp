@@ -116,7 +116,7 @@ Window::View Window::view(const Asker& asker) const {
                 ": it shows nothing yet, expected a `set` with a Visualization");
   validate(shows.cameras[0]);
   SceneCache::Pinned pinned = services_.scenes.get(tenant_, shows.visualizations[0], shows.settings, asker,
-                                                   shown, known, given ? &*given : nullptr);
+                                                   shown, known, nullptr, given ? &*given : nullptr);
   return {std::move(pinned), shows.visualizations[0], fitted(shows.cameras[0], shown.box)};
 }
 
