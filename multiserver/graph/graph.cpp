@@ -349,11 +349,7 @@ void Graph::lookAtData() {
 }
 
 void Graph::onWanted(const flow::SourceGeneration& generation) {
-  {
-    const std::lock_guard lock(tasksMutex_);
-    if (takesNoTasks_) return;
-  }
-  post([this, generation] {
+  postUnlessEnding([this, generation] {
     const std::lock_guard lock(mutex_);
     const bool isHeld = std::any_of(heldIds_.begin(), heldIds_.end(),
                                     [&](const auto& item) { return item.second == generation; });
@@ -362,6 +358,33 @@ void Graph::onWanted(const flow::SourceGeneration& generation) {
     act();
     services_.wake();
   });
+}
+
+// Rank 0's pin keeps nothing on the other ranks then, so what is pinned is lost. What has been adopted is not.
+void Graph::onDropped(Key object) {
+  postUnlessEnding([this, object] {
+    const std::lock_guard lock(mutex_);
+    std::vector<flow::SourceGeneration> lost;
+    for (auto it = heldIds_.begin(); it != heldIds_.end();) {
+      const auto held = it++;
+      if (held->second.object != object || holds_.at(held->first)->isOwned()) continue;
+      lost.push_back(held->second);
+      wanted_.erase(held->second);
+      holds_.erase(held->first);
+      heldIds_.erase(held);
+    }
+    if (isEnded_) return;
+    for (const flow::SourceGeneration& generation : lost) flow_.lost(generation);
+    if (!lost.empty()) act();
+  });
+}
+
+void Graph::postUnlessEnding(std::function<void()> task) {
+  {
+    const std::lock_guard lock(tasksMutex_);
+    if (takesNoTasks_) return;
+  }
+  post(std::move(task));
 }
 
 // Sources of data that come by themselves make what somebody waits for.

@@ -82,6 +82,8 @@ class Graph : public std::enable_shared_from_this<Graph> {
   /// Data of this name may be others.
   void onData();
   void onWanted(const flow::SourceGeneration& generation);
+  /// There is no such object any more.
+  void onDropped(Key object);
   /// Returns whether it is to be called again.
   bool tick();
 
@@ -131,6 +133,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   void wantNews();
   void post(std::function<void()> task);
   bool isLookPosted() const;
+  void postUnlessEnding(std::function<void()> task);
   void viewsChanged();
   void release();
 

@@ -59,9 +59,11 @@ Graphs::Graphs(Registration& registration) : services_{registration.serverRank()
       Work::Runs::Waiting);
   if (serverRank.rank() != 0) return;
   datasets_ = serverRank.datasets->observe([this](const DatasetEvent& event) { onDataset(event); });
-  wanted_ = serverRank.observers.subscribe({}, [this](const ObjectEvent& event) {
-    if (event.kind != ObjectEvent::Kind::Wanted) return;
-    for (const auto& graph : all()) graph->onWanted({event.key, event.generation});
+  objects_ = serverRank.observers.subscribe({}, [this](const ObjectEvent& event) {
+    if (event.kind != ObjectEvent::Kind::Wanted && event.kind != ObjectEvent::Kind::Dropped) return;
+    const bool isWanted = event.kind == ObjectEvent::Kind::Wanted;
+    for (const auto& graph : all())
+      isWanted ? graph->onWanted({event.key, event.generation}) : graph->onDropped(event.key);
   });
   serverRank.endings.add([this] { end(); });
 }
@@ -69,7 +71,7 @@ Graphs::Graphs(Registration& registration) : services_{registration.serverRank()
 Graphs::~Graphs() { end(); }
 
 void Graphs::end() {
-  wanted_.end();
+  objects_.end();
   datasets_ = nullptr;
   {
     const std::lock_guard lock(mutex_);

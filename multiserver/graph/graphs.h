@@ -68,7 +68,7 @@ class Graphs {
   bool isAwake_ = false;
   std::thread clock_;  ///< from the first graph on
   std::shared_ptr<void> datasets_;
-  Observers::Subscription wanted_;
+  Observers::Subscription objects_;
 };
 
 /// Returns the rank's Graphs. Called in a module's body, on every rank. The first module that calls it registers the works.

@@ -7,7 +7,7 @@ namespace {
 
 using nlohmann::json;
 
-const json kSeeds = madeBy("Seeds", "seeds", {{"domain", "ball"}}, {{"shape", "line"}, {"count", 12}});
+const json kTwelve = madeBy("Seeds", "seeds", {{"domain", "ball"}}, {{"shape", "line"}, {"count", 12}});
 
 // A session of text verbs alone, as msclient says them.
 TEST(Graph, RunsWhatItsDocumentSaysOnAnyNumberOfRanks) {
@@ -16,7 +16,7 @@ TEST(Graph, RunsWhatItsDocumentSaysOnAnyNumberOfRanks) {
     GraphClient c(*server);
     c.say(importBall("ball"));
     const int64_t before = server->serverRank(0).ledger.total("user");
-    EXPECT_EQ(c.say(newGraph({liveVolume("ball"), kSeeds})).at("revision"), 1);
+    EXPECT_EQ(c.say(newGraph({liveVolume("ball"), kTwelve})).at("revision"), 1);
     EXPECT_EQ(c.state("ball"), "done");
     EXPECT_EQ(c.state("seeds"), "waiting") << "nothing needs it";
     c.say("graph.run g");
@@ -80,7 +80,7 @@ TEST(Graph, FilesAreReadWhenTheyAreNeeded) {
 TEST(Graph, AnEditAndItsInverseGiveTheDocumentBack) {
   const auto server = serveGraphs(1);
   GraphClient c(*server);
-  c.say(newGraph({liveVolume("ball"), kSeeds, madeBy("Held", "copy", {{"field", "ball"}})},
+  c.say(newGraph({liveVolume("ball"), kTwelve, madeBy("Held", "copy", {{"field", "ball"}})},
                  json::array({viewOf("v", {"copy"})})));
   const json before = c.say("graph.get g").at("document");
   const std::vector<json> all{
@@ -120,7 +120,7 @@ TEST(Graph, ARenameTakesItsReferencesAlong) {
 TEST(Graph, AnEditThatIsWrongChangesNothingAndSaysWhere) {
   const auto server = serveGraphs(1);
   GraphClient c(*server);
-  c.say(newGraph({liveVolume("ball"), kSeeds, madeBy("Held", "copy", {{"field", "ball"}})},
+  c.say(newGraph({liveVolume("ball"), kTwelve, madeBy("Held", "copy", {{"field", "ball"}})},
                  json::array({viewOf("v", {"copy"})})));
   const json before = c.say("graph.get g");
   const auto refused = [&](const json& edits, const std::string& expected) {
@@ -130,7 +130,8 @@ TEST(Graph, AnEditThatIsWrongChangesNothingAndSaysWhere) {
   const json good{{"set", {"Datasets", "seeds", "count"}}, {"to", 5}};
   refused({good, {{"set", {"Datasets", "none", "count"}}, {"to", 5}}},
           "`edits`[1]: Datasets[\"none\"]: there is no such element");
-  refused({good, {{"set", {"Datasets", "seeds", "count"}}, {"to", "many"}}}, "Datasets[\"seeds\"]: `count`: expected an integer");
+  refused({good, {{"set", {"Datasets", "seeds", "count"}}, {"to", "many"}}},
+          "Datasets[\"seeds\"]: `count`: expected an integer");
   refused({{{"set", {"Datasets", "copy", "inputs", "field"}}, {"to", "copy"}}}, "no cycle");
   refused({{{"set", {"Datasets", "copy", "inputs", "field"}}, {"to", "seeds"}}},
           "expected Volume, found \"seeds\"");
@@ -196,7 +197,7 @@ TEST(Graph, WatchersAreToldOfEditsAndStates) {
   const auto server = serveGraphs(2);
   GraphClient ann(*server), bob(*server);
   ann.say(importBall("ball"));
-  ann.say(newGraph({liveVolume("ball"), kSeeds}));
+  ann.say(newGraph({liveVolume("ball"), kTwelve}));
   bob.say("graph.watch g");
   ann.say("graph.watch g");
   bob.untilEvent([](const json& e) { return e.at("event") == "present" && e.at("clients").size() == 2; });

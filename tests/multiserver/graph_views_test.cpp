@@ -18,6 +18,7 @@ std::vector<uint8_t> plainPicture(GraphClient& c, json view) {
   return c.screen.picture(9).rgba;
 }
 
+const json kSeeds = madeBy("Seeds", "seeds", {{"domain", "ball"}}, {{"shape", "line"}, {"count", 6}});
 const json kParticles{{"type", "Particles"}, {"dataset", "seeds"}, {"radius0", 0.1}};
 
 json particlesView() {
@@ -27,7 +28,7 @@ json particlesView() {
 }
 
 TEST(GraphViews, ShowTheSamePictureAsTheirDataByName) {
-  const json seeds = madeBy("Seeds", "seeds", {{"domain", "ball"}}, {{"shape", "line"}, {"count", 6}});
+  const json& seeds = kSeeds;
   std::vector<uint8_t> expected;
   for (const int ranks : {1, 3}) {
     const auto server = serveGraphs(ranks);
@@ -55,9 +56,7 @@ TEST(GraphViews, FollowEditsOfLooksAndColours) {
   const auto server = serveGraphs(2);
   GraphClient c(*server);
   c.say(importBall("ball"));
-  c.say(newGraph(
-      {liveVolume("ball"), madeBy("Seeds", "seeds", {{"domain", "ball"}}, {{"shape", "line"}, {"count", 6}})},
-      json::array({particlesView()})));
+  c.say(newGraph({liveVolume("ball"), kSeeds}, json::array({particlesView()})));
   c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
   c.untilState("v", "done", "view");
   EXPECT_EQ(c.screen.waitFor(1, c.say("render 1").at("frame")).status, "complete");
@@ -111,6 +110,25 @@ TEST(GraphViews, ThatHaveNothingToShowSayWhy) {
   EXPECT_NE(c.error(R"(viewer.show 1 {"graph": "g"})").find("`view` is missing"), std::string::npos);
   c.say("graph.drop g");
   until([&] { return c.error("render 1").find("the graph was dropped") != std::string::npos; }, "the reason");
+}
+
+TEST(GraphViews, HoldTheirPictureWhenTheirDataAreDropped) {
+  const auto server = serveGraphs(2);
+  GraphClient c(*server);
+  c.say(importBall("ball"));
+  c.say(newGraph({liveVolume("ball"), kSeeds}, json::array({viewOf("v", {"ball"})})));
+  c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
+  c.untilState("v", "done", "view");
+  EXPECT_EQ(c.screen.waitFor(1, c.say("render 1").at("frame")).status, "complete");
+  const auto first = c.screen.picture(1).rgba;
+  c.say("data.drop ball");
+  c.untilState("v", "stale", "view");
+  until([&] { return c.error("render 1").find("held picture: its data are gone") != std::string::npos; },
+        "the reason");
+  c.say(importBall("ball"));
+  EXPECT_EQ(c.screen.waitFor(1, 2).status, "complete") << "it turns again with the next wave";
+  EXPECT_EQ(c.screen.picture(1).rgba, first);
+  EXPECT_EQ(c.state("ball"), "done");
 }
 
 TEST(GraphViews, WithoutAWindowNothingRuns) {
