@@ -58,6 +58,7 @@ class DocumentReading {
                                                          : "";
       attempt(name, [&] { makeList(name, alias); });
     }
+    attempt("document", [&] { checkNodes(); });
     readDatasets();
     readOperators();
     readSettings();
@@ -89,6 +90,14 @@ class DocumentReading {
       throw Error("expected arrays and objects at most " + std::to_string(kMostDocumentDepth) + " deep");
     if (const auto version = out_.json.find("version"); version != out_.json.end() && *version != 1)
       throw Error("`version`: expected 1, found " + foundText(*version) + "; a newer Galaxy may read it");
+  }
+
+  // Before anything of them is read.
+  void checkNodes() const {
+    for (const char* key : {"Datasets", "Operators", "Visualizations", "Outputs"})
+      if (section(key).size() > flow::kMostNodes)
+        throw Error(inQuotes(key, '`') + ": expected at most " + std::to_string(flow::kMostNodes) +
+                    ", found " + std::to_string(section(key).size()));
   }
 
   void makeList(const std::string& key, const std::string& alias) {
@@ -133,6 +142,7 @@ class DocumentReading {
                       " are of what this graph makes");
         for (const std::string& w : read.warnings)
           out_.warnings.push_back(path + ": " + withoutPlace(w, path));
+        places_.emplace(dataset.name, out_.flow.datasets.size());
         out_.flow.datasets.push_back(std::move(dataset));
       });
     }
@@ -170,18 +180,29 @@ class DocumentReading {
     });
   }
 
-  /// Reads a visualization as a state file has it, with the types of datasets that are known.
-  State stateOf(const json& visualization, const json& camera, const std::string& path) {
-    json state{{"Datasets", json::array()}, {"Visualizations", json::array({visualization})}};
-    for (const DatasetSpec& d : out_.flow.datasets) {
+  /// Adds those datasets to a state that a visualization names and whose types are known.
+  void addTypes(json& state, const json& visualization) const {
+    std::set<std::string> names;
+    for (const json& vis : visualization.value("operators", json::array()))
+      if (vis.is_object() && vis.value("dataset", json()).is_string())
+        names.insert(vis["dataset"].get<std::string>());
+    for (const std::string& name : names) {
+      const auto place = places_.find(name);
+      if (place == places_.end()) continue;
+      const DatasetSpec& d = out_.flow.datasets[place->second];
       std::optional<DatasetType> type = d.type;
       if (!d.filter.empty()) {
         const FilterSchema* filter = filters_.find(d.filter);
         type = filter && filter->makesLike.empty() ? filter->makes : std::nullopt;
       }
-      if (type && !d.name.empty())
-        state["Datasets"].push_back({{"name", d.name}, {"type", nameOf(*type)}, {"filename", "-"}});
+      if (type) state["Datasets"].push_back({{"name", name}, {"type", nameOf(*type)}, {"filename", "-"}});
     }
+  }
+
+  /// Reads a visualization as a state file has it.
+  State stateOf(const json& visualization, const json& camera, const std::string& path) {
+    json state{{"Datasets", json::array()}, {"Visualizations", json::array({visualization})}};
+    addTypes(state, visualization);
     if (!camera.is_null()) state["Cameras"] = json::array({camera});
     StateFile read = readState_(protocol::dump(state), path);
     for (const std::string& w : read.warnings)
@@ -283,6 +304,7 @@ class DocumentReading {
   const FilterSchemas& filters_;
   const StateReader& readState_;
   std::vector<DocumentProblem>* const problems_;
+  std::map<std::string, size_t> places_;  // of datasets
   std::map<std::string, json> operators_;
   GraphDocument out_;
 };

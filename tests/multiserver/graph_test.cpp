@@ -146,6 +146,9 @@ TEST(Graph, AnEditThatIsWrongChangesNothingAndSaysWhere) {
   refused({{{"drop", {"version"}}}}, "expected `set`, `add`, `remove` or `rename`");
   refused(json::array(), "expected a list of edits");
   EXPECT_EQ(c.say("graph.get g"), before);
+  json many = json::array();
+  for (int i = 0; i < 1001; i++) many.push_back(liveVolume("d" + std::to_string(i)));
+  refused({{{"set", {"Datasets"}}, {"to", many}}}, "`Datasets`: expected at most 1000, found 1001");
   json deep = 1;
   for (int i = 0; i < 40; i++) deep = json::array({deep});
   refused({{{"set", {"GUI"}}, {"to", deep}}}, "at most 32 deep");
