@@ -127,6 +127,10 @@ void writeGeometry(const std::string& path, const GeometryBlock& block, Geometry
       throw Error(path + ": a " + extension + " file holds triangles only");
     return extension == ".ply" ? writePly(path, block) : writeStl(path, block);
   }
+  if (extension == ".csv") {
+    if (kind != GeometryKind::Particles) throw Error(path + ": a .csv file holds particles only");
+    return writeCsv(path, block, array);
+  }
   const auto cells = cellsOf(block, kind);
   const bool bytes = haveBytes(whole ? whole->colors : block.colors);
   if (extension == ".vtp") {
@@ -145,7 +149,7 @@ void writeGeometry(const std::string& path, const GeometryBlock& block, Geometry
                    cells);
     writeXml<vtkXMLUnstructuredGridWriter>(path, data);
   } else {
-    throw Error(path + ": cannot write this kind of geometry: expected .vtp, .vtu, .ply or .stl");
+    throw Error(path + ": cannot write this kind of geometry: expected .vtp, .vtu, .csv, .ply or .stl");
   }
 }
 

@@ -10,7 +10,7 @@ namespace gxy {
 
 /// Writes the primitives of a block in the format of the path's extension. .vtp and .vtu: all kinds, double
 /// coordinates, nothing is lost. .ply: triangles, double coordinates, values as the property "value". .stl:
-/// triangles, float coordinates only. Values become the point array `array`. Colours become the array "RGB",
+/// triangles, float coordinates only. .csv: particles, a line of text each. Values become the point array `array`. Colours become the array "RGB",
 /// or red, green and blue in a .ply. Colours are written as unsigned char if all colours of the block are
 /// such numbers (of `whole`, if the block is a piece of it), and otherwise as float. Segments that continue
 /// each other become one polyline. Throws Error if the file cannot be written.
@@ -37,7 +37,8 @@ struct GeometryPiece {
 void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiece>& pieces,
                          const GeometryBlock& like, const std::string& array = "data");
 
-/// The .ply and .stl writers.
+/// The .csv, .ply and .stl writers.
+void writeCsv(const std::string& path, const GeometryBlock& block, const std::string& array);
 void writePly(const std::string& path, const GeometryBlock& block);
 void writeStl(const std::string& path, const GeometryBlock& block);
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes binary PLY and STL. Both are little-endian, on machines of either byte order.
+// Writes binary PLY and STL, little-endian on machines of either byte order, and points as text.
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -32,6 +34,33 @@ bool haveBytes(const std::vector<glm::vec3>& colors) {
       if (color[c] != float(byteOf(color[c]) / 255.)) return false;
     return true;
   });
+}
+
+void writeCsv(const std::string& path, const GeometryBlock& block, const std::string& array) {
+  std::string text = "x,y,z";
+  // In quotes, and those of the name twice (RFC 4180).
+  if (!block.values.empty()) {
+    text += ",\"";
+    for (const char c : array) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+    text += '"';
+  }
+  if (!block.colors.empty()) text += ",red,green,blue";
+  if (!block.radiusValues.empty()) text += ",radius";
+  const auto put = [&](auto value, char end) {
+    std::array<char, 32> digits;
+    const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+    text.append(digits.data(), written.ptr);
+    text += end;
+  };
+  text += '\n';
+  for (size_t i = 0; i < block.points.size(); ++i) {
+    for (int a = 0; a < 3; ++a) put(block.points[i][a], ',');
+    if (!block.values.empty()) put(block.values[i], ',');
+    for (int c = 0; c < 3 && !block.colors.empty(); ++c) put(block.colors[i][c], ',');
+    if (!block.radiusValues.empty()) put(block.radiusValues[i], ',');
+    text.back() = '\n';
+  }
+  writeText(path, text);
 }
 
 void writePly(const std::string& path, const GeometryBlock& block) {

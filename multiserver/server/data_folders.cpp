@@ -88,9 +88,42 @@ std::string DataFolders::toWrite(const std::string& name) const {
   return file.string();
 }
 
-void DataFolders::write(const std::string& path, std::span<const std::byte> bytes) const {
+DataFolders::NewFile::NewFile(const DataFolders& folders, const std::string& path) : path_(path) {
   const fs::path place(path);
-  const auto fail = [&](int reason) { throw Error(path + ": cannot be written: " + std::strerror(reason)); };
+  name_ = place.filename();
+  folder_ = ::open(place.parent_path().c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+  if (folder_ < 0) fail(errno);
+  std::error_code failed;
+  // A random name, because other requests may write the same file.
+  uint64_t number = 0;
+  if (!folders.holds(fs::read_symlink("/proc/self/fd/" + std::to_string(folder_), failed)) || failed ||
+      ::getrandom(&number, sizeof number, 0) != sizeof number) {
+    ::close(folder_);
+    folders.refuse(path, "it cannot be written");
+  }
+  partial_ = "." + std::to_string(number) + ".partial." + name_;
+}
+
+DataFolders::NewFile::~NewFile() {
+  if (!finished_) ::unlinkat(folder_, partial_.c_str(), 0);
+  ::close(folder_);
+}
+
+std::string DataFolders::NewFile::partial() const {
+  return "/proc/self/fd/" + std::to_string(folder_) + "/" + partial_;
+}
+
+void DataFolders::NewFile::finish() {
+  if (::renameat(folder_, partial_.c_str(), folder_, name_.c_str()) != 0) fail(errno);
+  finished_ = true;
+}
+
+void DataFolders::NewFile::fail(int reason) const {
+  throw Error(path_ + ": cannot be written: " + std::strerror(reason));
+}
+
+void DataFolders::write(const std::string& path, std::span<const std::byte> bytes) const {
+  NewFile made(*this, path);
   /// A file descriptor that is closed at the end of its scope.
   struct Descriptor {
     int number;
@@ -98,31 +131,17 @@ void DataFolders::write(const std::string& path, std::span<const std::byte> byte
       if (number >= 0) ::close(number);
     }
   };
-  const Descriptor folder{::open(place.parent_path().c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)};
-  if (folder.number < 0) fail(errno);
-  std::error_code failed;
-  if (!holds(fs::read_symlink("/proc/self/fd/" + std::to_string(folder.number), failed)) || failed)
-    refuse(path, "it cannot be written");
-  // A random name for the partial file, because other requests may write the same file.
-  uint64_t number = 0;
-  if (::getrandom(&number, sizeof number, 0) != sizeof number) fail(errno);
-  const std::string name = place.filename(), partial = name + "." + std::to_string(number) + ".partial";
-  const Descriptor file{
-      ::openat(folder.number, partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666)};
-  if (file.number < 0) fail(errno);
-  int reason = 0;
-  while (!bytes.empty() && reason == 0) {
+  const Descriptor file{::openat(made.folder_, made.partial_.c_str(),
+                                 O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666)};
+  if (file.number < 0) made.fail(errno);
+  while (!bytes.empty()) {
     const ssize_t put = ::write(file.number, bytes.data(), std::min(bytes.size(), size_t(1) << 30));
     if (put >= 0)
       bytes = bytes.subspan(size_t(put));
     else if (errno != EINTR)
-      reason = errno;
+      made.fail(errno);
   }
-  if (reason == 0 && ::renameat(folder.number, partial.c_str(), folder.number, name.c_str()) != 0)
-    reason = errno;
-  if (reason == 0) return;
-  ::unlinkat(folder.number, partial.c_str(), 0);
-  fail(reason);
+  made.finish();
 }
 
 }  // namespace gxy

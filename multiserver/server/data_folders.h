@@ -44,6 +44,32 @@ class DataFolders {
 
   const std::vector<std::filesystem::path>& folders() const { return folders_; }
 
+  /// A file that is being written at a path from toWrite(), under another name until finish(). One thread uses it.
+  class NewFile {
+   public:
+    /// Checks the place again. Throws Error if the folder is none of these any more. The folders must outlive it.
+    NewFile(const DataFolders& folders, const std::string& path);
+    /// Removes what is not finished.
+    ~NewFile();
+    NewFile(const NewFile&) = delete;
+    NewFile& operator=(const NewFile&) = delete;
+
+    /// Where to write, in this process: in the folder that was checked, whatever has taken its place meanwhile. The name is random
+    /// and has the extension of the file.
+    std::string partial() const;
+    /// Gives the file its name, in place of a file that has it. Throws Error if it cannot.
+    void finish();
+
+   private:
+    friend class DataFolders;
+    [[noreturn]] void fail(int reason) const;
+
+    const std::string path_;
+    std::string name_, partial_;
+    int folder_ = -1;  ///< a descriptor
+    bool finished_ = false;
+  };
+
  private:
   bool holds(const std::filesystem::path& canonical) const;
   [[noreturn]] void refuse(const std::string& name, const std::string& reason) const;

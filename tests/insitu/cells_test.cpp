@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Simulations that publish lines and triangles: what arrives is what an import of the same step would give.
 #include "tests/insitu/mini_mesh.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -65,7 +66,7 @@ MiniMesh::Settings settingsOf(Random& random, uint64_t seed) {
 }
 
 TEST(Cells, ThatArePublishedEqualTheImportOfTheSameStep) {
-  for (uint64_t seed = 1; seed <= 15; seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(sweep(15)); seed++) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     const auto server = serve(1 + int(random.below(3)));

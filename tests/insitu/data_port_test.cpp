@@ -7,6 +7,7 @@
 #include "tests/insitu/mini_simulation.h"
 #include "tests/multiserver/raw_client.h"
 #include "tests/multiserver/viewer_client.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -191,7 +192,7 @@ TEST(DataPort, RandomBytesHarmNobodyElse) {
       "good", grid, {{0, 0, {{0, 0, 0}, {8, 8, 8}}}}, 1, {{"t"}}, Layout::Together,
       json{{"to", "127.0.0.1:" + std::to_string(p.server->port())}, {"token-file", "-"}}.dump());
   p.client->expect("observe good.t");
-  for (uint64_t seed = 1; seed <= 60; seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(sweep(60)); seed++) {
     Random random(seed);
     p.join();
     const auto raw = p.connect(random.below(2));

@@ -2,6 +2,7 @@
 // Simulations whose ranks have other blocks, or another grid, after some steps.
 #include "tests/insitu/published.h"
 #include "tests/insitu/random_blocks.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -47,7 +48,7 @@ void runBeyond(MiniSimulation& simulation, Observed& observed, int64_t before) {
 }
 
 TEST(Decompositions, ChangeWhileStepsAreSkipped) {
-  for (uint64_t seed = 1; seed <= 12; seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(sweep(12)); seed++) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     Observed observed(1 + int(random.below(3)));

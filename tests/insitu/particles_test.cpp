@@ -4,6 +4,7 @@
 
 #include "core/io/write_geometry.h"
 #include "tests/insitu/published.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -169,7 +170,7 @@ void expectEqualsImport(TestServer& server, Viewer& viewer, const std::string& n
 }
 
 TEST(Particles, ThatArePublishedEqualTheImportOfTheSameStep) {
-  for (uint64_t seed = 1; seed <= 8; seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(sweep(8)); seed++) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     const auto server = serve(1 + int(random.below(3)));

@@ -26,9 +26,9 @@ constexpr int seeds(int many) {
 }
 
 /// Returns how many rays, inputs or rounds of one kind a test tries: all in the release suite, which is to find wrong
-/// numbers, and an eighth with the address sanitizer, which is to find wrong accesses on the ways that all of them take.
+/// numbers, and an eighth with a sanitizer, which is to find wrong accesses and races on the ways that all of them take.
 constexpr int sweep(int many) {
-#if defined(GXY_ADDRESS_SANITIZER)
+#if defined(GXY_ADDRESS_SANITIZER) || defined(__SANITIZE_THREAD__)
   return many / 8 > 2 ? many / 8 : 2;
 #else
   return many;

@@ -4,6 +4,7 @@
 
 #include "core/comm/error.h"
 #include "core/scene/state_file.h"
+#include "multiserver/modules/data/export.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/filter_runs.h"
 #include "multiserver/server/module.h"
@@ -225,6 +226,10 @@ GALAXY_MODULE(registration) {
   registration.verb(verb("import", "[shared] [new | like NAME] {\"Datasets\": [...]}",
                          "Reads files; each becomes a dataset, or a new generation of one.", Order::Aside,
                          import));
+  addExportWork(registration);
+  registration.verb(verb("export", "NAME FILE",
+                         "Writes a dataset to a file: .vti, or .vtp, .vtu, .csv, .ply, .stl.", Order::Aside,
+                         exportDataset));
   registration.verb(verb("drop", "NAME", "Forgets a dataset.", Order::InTurn, drop));
   registration.verb(verb("rename", "NAME NEW", "Gives a dataset another name.", Order::InTurn, rename));
   registration.verb(verb("range", "NAME", "Least and largest value.", Order::InTurn, range));

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// Verb `export`: what a file has is what the dataset has, and a file is complete or not there.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "core/io/write_geometry.h"
+#include "core/io/write_volume.h"
+#include "multiserver/server/datasets.h"
+#include "tests/multiserver/test_server.h"
+
+namespace gxy::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct ExportServer : TestServer {
+  static ServerSetup setup(int ranks, int64_t memory) {
+    ServerSetup setup;
+    setup.ranks = ranks;
+    setup.modules = GALAXY_MODULES;
+    if (memory > 0) setup.serverRank.tenantMemory = memory;
+    return setup;
+  }
+  explicit ExportServer(int ranks, int64_t memory = 0)
+      : TestServer(setup(ranks, memory)), client(TestServer::client()) {
+    client->expect("load data");
+  }
+
+  std::string import(const std::string& name, const std::string& file, const std::string& type) {
+    return "import new " + json{{"Datasets", {{{"name", name}, {"filename", file}, {"type", type}}}}}.dump();
+  }
+  std::vector<std::shared_ptr<const Dataset>> parts(const std::string& name) {
+    std::vector<std::shared_ptr<const Dataset>> all;
+    const Key key = serverRank().datasets->get("user", name).key;
+    for (int rank = 0; rank < serverRank().ranks(); rank++)
+      all.push_back(serverRank(rank).objects.pin(key).get<Dataset>());
+    return all;
+  }
+  GeometryBlock gathered(const std::string& name) {
+    std::vector<GeometryBlock> blocks;
+    GeometryKind kind = GeometryKind::Particles;
+    for (const auto& d : parts(name)) {
+      kind = d->geometry->kind;
+      if (!d->geometry->block.ids.empty()) blocks.push_back(d->geometry->block);
+    }
+    return merged(kind, blocks);
+  }
+  /// Imports the file that a dataset is exported to, and compares the two.
+  void expectSameVolume(const std::string& name) {
+    SCOPED_TRACE(name);
+    client->expect("export " + name + " copy.vti");
+    client->expect(import("copy", "copy.vti", "Volume"));
+    const auto from = parts(name), to = parts("copy");
+    for (size_t rank = 0; rank < from.size(); rank++) {
+      const Volume &a = *from[rank]->volume, &b = *to[rank]->volume;
+      EXPECT_EQ(a.grid, b.grid);
+      EXPECT_EQ(a.components, b.components);
+      EXPECT_EQ(a.stored, b.stored);
+      EXPECT_EQ(a.noDataSamples, b.noDataSamples);
+      ASSERT_EQ(a.ranges.size(), b.ranges.size());
+      for (size_t i = 0; i < a.ranges.size(); i++) {
+        EXPECT_EQ(a.ranges[i].min, b.ranges[i].min);
+        EXPECT_EQ(a.ranges[i].max, b.ranges[i].max);
+      }
+      ASSERT_EQ(a.blocks.size(), b.blocks.size());
+      for (const auto& [partition, block] : a.blocks)
+        EXPECT_TRUE(block.samples == b.blocks.at(partition).samples) << "partition " << partition;
+    }
+    EXPECT_EQ(to[0]->volume->name, "copy:field of it");
+  }
+  std::string path(const std::string& name) const { return (folder().path() / name).string(); }
+  int files() const {
+    return int(std::distance(fs::directory_iterator(folder().path()), fs::directory_iterator()));
+  }
+
+  std::unique_ptr<Client> client;
+};
+
+template <class T>
+void writeField(const std::string& path, const Grid& grid, ScalarType type, int components) {
+  Index3 n = grid.points;
+  if (grid.rim)
+    for (int64_t& points : n) points -= 2;
+  std::vector<T> values(size_t(n[0] * n[1] * n[2] * components));
+  for (size_t i = 0; i < values.size(); i++) values[i] = T(double(i * 7919 % 1009) / 3 - 11);
+  VolumeWriter(path, grid, {{"field of it", type, components, {}, grid.rim}})
+      .write(0, 0, std::as_bytes(std::span(values)));
+}
+
+TEST(Export, FilesHaveTheValuesOfTheVolume) {
+  for (const int ranks : {1, 3}) {
+    ExportServer server(ranks);
+    Grid grid;
+    grid.points = {9, 12, 21};
+    grid.origin = {-1, 2, 0.1};
+    grid.spacing = {0.5, 0.25, 0.3};
+    writeField<float>(server.path("floats.vti"), grid, ScalarType::Float32, 1);
+    writeField<int16_t>(server.path("shorts.vti"), grid, ScalarType::Int16, 3);
+    writeField<double>(server.path("doubles.vti"), grid, ScalarType::Float64, 2);
+    grid.rim = true;
+    writeField<float>(server.path("cells.vti"), grid, ScalarType::Float32, 1);
+    for (const std::string name : {"floats", "shorts", "doubles", "cells"}) {
+      server.client->expect(server.import(name, name + ".vti", "Volume"));
+      server.expectSameVolume(name);
+    }
+  }
+}
+
+TEST(Export, FilesHaveThePrimitivesAndTheirValues) {
+  GeometryBlock points, lines, triangles;
+  for (int i = 0; i < 50; i++) {
+    points.points.push_back({0.1 * i, i * i % 7 / 3.0, i % 5});
+    points.values.push_back(float(i) / 3);
+    points.ids.push_back(uint64_t(i));
+  }
+  lines.points = points.points;
+  lines.values = points.values;
+  triangles = lines;
+  triangles.values.clear();
+  for (const glm::dvec3& p : triangles.points) triangles.colors.push_back({float(p.y) / 4, 0.1F, 1});
+  for (uint32_t i = 0; i + 1 < 50; i++)
+    if (i % 10 != 9) {
+      lines.segments.push_back({i, i + 1});
+      lines.neighbours.push_back({i % 10 == 0 ? i : i - 1, i % 10 == 8 ? i + 1 : i + 2});
+      lines.ids.push_back(lines.ids.size());
+    }
+  for (uint32_t i = 0; i + 2 < 50; i++) {
+    triangles.triangles.push_back({i, i + 1, i + 2});
+    triangles.ids.push_back(i);
+  }
+  ExportServer server(3);
+  const auto compare = [&](const GeometryBlock& block, GeometryKind kind, const std::string& type,
+                           const std::vector<std::string>& extensions) {
+    writeGeometry(server.path("in.vtp"), block, kind, "how much");
+    server.client->expect(server.import("in", "in.vtp", type));
+    for (const std::string& extension : extensions) {
+      SCOPED_TRACE(type + " " + extension);
+      server.client->expect("export in out" + extension);
+      server.client->expect(server.import("out", "out" + extension, type));
+      EXPECT_EQ(server.gathered("in"), server.gathered("out"));
+      EXPECT_EQ(server.parts("in")[0]->array, server.parts("out")[0]->array);
+    }
+    server.client->expect("drop in");
+  };
+  compare(points, GeometryKind::Particles, "Particles", {".vtp", ".vtu", ".csv"});
+  compare(lines, GeometryKind::PathLines, "PathLines", {".vtp", ".vtu"});
+  compare(triangles, GeometryKind::Triangles, "Triangles", {".vtp", ".vtu"});
+}
+
+TEST(Export, WhatCannotBeWrittenIsAnErrorAndLeavesNoFile) {
+  ExportServer server(2, 4 << 20);
+  server.client->expect(importBall("ball"));
+  const int before = server.files();
+  const auto expectError = [&](const std::string& statement, const std::string& part) {
+    const std::string error = server.client->request(statement).error;
+    EXPECT_NE(error.find(part), std::string::npos) << statement << ": " << error;
+    EXPECT_EQ(server.files(), before) << statement;
+  };
+  expectError("export nothing a.vti", "nothing");
+  expectError(
+      "export ball a.vtp",
+      "file \"a.vtp\" for dataset \"ball\", which is Volume: expected a name that ends with one of .vti");
+  expectError("export ball .vti", "expected a name that ends with one of .vti");
+  expectError("export ball ../a.vti", "it cannot be written");
+  expectError("export ball none/a.vti", "it cannot be written");
+  expectError("export ball", "export NAME FILE");
+  expectError("export ball a.vti", "memory");  // of the tenant
+  server.client->expect("drop ball");
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server.serverRank(rank).ledger.total("user"), 0);
+}
+
+TEST(Export, ReplacesAFileAndTellsWhatItWrote) {
+  ExportServer server(2);
+  server.client->expect(importBall("ball"));
+  std::ofstream(server.path("a.vti")) << "what was there before";
+  const json reply = server.client->expect("export ball a.vti");
+  EXPECT_EQ(reply.at("file"), server.path("a.vti"));
+  EXPECT_EQ(reply.at("generation"), 1);
+  EXPECT_EQ(reply.at("bytes"), fs::file_size(server.path("a.vti")));
+  server.client->expect(server.import("copy", "a.vti", "Volume"));
+}
+
+}  // namespace
+}  // namespace gxy::test
