@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What runs for a graph and when: cancelling, edits while something runs, pausing, room, and steps of a simulation.
+#include <thread>
+
+#include "multiserver/graph/document_edits.h"
 #include "tests/multiserver/graph_client.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -246,6 +250,48 @@ TEST(GraphRuns, WhatIsDroppedEndsWhatRuns) {
   c.say("graph.run g");
   untilBegun(4);
   c.client.reset();  // The server stops while something runs.
+}
+
+// While a view is evaluated for each of them.
+TEST(GraphRuns, EditsOfManyAreOrderedByTheServerAndTheLastIsShown) {
+  const auto server = serveGraphs(2);
+  GraphClient watcher(*server), ann(*server), bob(*server);
+  watcher.say(importBall("ball"));
+  watcher.say(newGraph({liveVolume("ball"), copyOf("copy", "ball", 1), copyOf("next", "copy", 1)},
+                       json::array({viewOf("v", {"next"})})));
+  watcher.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
+  watcher.say("graph.watch g");
+  json document = watcher.say("graph.get g").at("document");
+  const int count = sweep(40);
+  const auto edit = [count](GraphClient& c, const std::string& name) {
+    for (int i = 0; i < count; i++) {
+      c.edit(numberTo(i % 3 ? "copy" : "next", i % 10), i % 2);
+      const std::string own = name + std::to_string(i);
+      if (i % 5 == 0) c.edit(json::array({{{"add", {"Datasets"}}, {"to", copyOf(own, "copy")}}}));
+      if (i % 10 == 5) c.edit(json::array({{{"rename", {"Datasets", own}}, {"to", own + " more"}}}));
+    }
+  };
+  std::thread other([&] { edit(bob, "b"); });
+  edit(ann, "a");
+  other.join();
+  ann.say("graph.wait g");
+  const json graph = ann.say("graph.get g");
+  watcher.untilEvent(
+      [&](const json& e) { return e.at("event") == "graph" && e.at("revision") == graph.at("revision"); });
+  int64_t revision = 1;
+  const std::lock_guard lock(watcher.mutex);
+  for (const json& event : watcher.events) {
+    if (event.at("event") != "graph") continue;
+    EXPECT_EQ(event.at("revision"), ++revision) << "each once, in their order";
+    document = edited(document, event.at("edits")).document;
+  }
+  EXPECT_EQ(document, graph.at("document"));
+  EXPECT_EQ(ann.state("v", "view"), "done");
+  const json shown = ann.node("next");
+  json expected;
+  for (const json& dataset : graph.at("document").at("Datasets"))
+    if (dataset.at("name") == "next") expected = dataset.at("number");
+  EXPECT_EQ(shown.at("told").at("number"), expected);
 }
 
 }  // namespace
