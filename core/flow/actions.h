@@ -2,6 +2,7 @@
 // What a Flow asks its host to do.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -123,8 +124,9 @@ struct NodeState {
   Generation generation = 0;
   double seconds = 0;
   int64_t bytes = 0;
-  uint64_t leftOut = 0;     ///< of a source: generations that no wave took although they were needed
-  bool showsOlder = false;  ///< a view shows an older output of this node
+  uint64_t leftOut = 0;             ///< of a source: generations that no wave took although they were needed
+  bool showsOlder = false;          ///< a view shows an older output of this node
+  std::optional<NodeKey> output{};  ///< Done, of a filter: which output it is
   bool operator==(const NodeState&) const = default;
 };
 

@@ -59,7 +59,11 @@ void Flow::resetChangedFiles(const CompiledDocument& newer) {
     const DatasetSpec* before = specOf(*document_, name);
     const DatasetSpec* after = specOf(newer, name);
     if (!isFile(before) && !isFile(after)) continue;
-    if (before && after && *before == *after) continue;
+    if (before && after) {
+      DatasetSpec recolored = *before;
+      recolored.color = after->color;
+      if (recolored == *after) continue;
+    }
     sources_.erase(name);
     stock_.sourceFailures.erase(name);
   }

@@ -102,6 +102,7 @@ NodeState Flow::stateOfFilter(size_t place, const Outcome& outcome, const std::o
     state.generation = made.generation;
     state.seconds = made.seconds;
     state.bytes = made.bytes;
+    state.output = key;
     return state;
   }
   if (outcome.kind == Outcome::Kind::Pending) return stateOfPending(place, key);

@@ -19,6 +19,7 @@ struct DirectoryEntry {
   std::string type;       ///< "Volume", "Particles", ...; for listings and early error messages
   std::string owner;      ///< the tenant that made the object
   bool readOnly = false;  ///< only the owner may bind the name again or remove it
+  bool ofGraph = false;   ///< a graph of the owner made it, and alone gives it its name
   bool operator==(const DirectoryEntry&) const = default;
 };
 

@@ -57,11 +57,12 @@ SceneSource SceneCache::sourceOf(const json& p) const {
                   " are partitioned differently, expected one partitioning; import one `like` the other");
     OperatorSource& shown = source.data.emplace_back();
     shown.data.color = glm::dvec3(dataset->color);
+    if (const auto color = d.find("color"); color != d.end())
+      for (int c = 0; c < 3; c++) shown.data.color[c] = color->at(size_t(c)).get<double>();
     shown.data.volume = dataset->volume;
     if (!dataset->geometry) continue;
     const auto tenant = p.at("tenant").get<std::string>();  // whose memory it takes
-    shown.geometry = {tenant + " " + std::to_string(key) + ":" + std::to_string(generation),
-                      dataset->geometry};
+    shown.geometry = {tenant + " " + d.at("id").get<std::string>(), dataset->geometry};
   }
   return source;
 }
@@ -108,6 +109,17 @@ json SceneCache::forget(const json& p) {
 
 namespace {
 
+std::string idOf(const NamedDataset& d) {
+  return std::to_string(d.key.value) + ":" + std::to_string(d.generation);
+}
+
+bool showsThese(const SceneHandle& scene, const SceneCache::GivenData& given) {
+  return std::equal(scene.data.begin(), scene.data.end(), given.begin(), given.end(),
+                    [](const NamedDataset& d, const SceneCache::Given& g) {
+                      return d.key == g.data->shown().key && d.generation == g.data->shown().generation;
+                    });
+}
+
 std::vector<Pin> pinned(ServerRank& serverRank, const std::vector<NamedDataset>& data) {
   std::vector<ObjectGeneration> generations;
   for (const NamedDataset& d : data) generations.push_back({d.key, d.generation});
@@ -124,34 +136,46 @@ bool SceneCache::namesMean(const std::string& tenant, const std::vector<NamedDat
 }
 
 SceneCache::HeldData SceneCache::hold(const std::string& tenant, const Visualization& visualization,
-                                      ShownSoFar& shown, const PinnedData* known) const {
+                                      ShownSoFar& shown, const PinnedData* known,
+                                      const GivenData* given) const {
   HeldData held;
-  std::vector<DataFacts> facts;
-  const auto isKnown = [&](const std::string& name) { return known && known->contains(name); };
-  std::vector<std::string> names;
-  for (const Vis& vis : visualization.operators)
-    if (!isKnown(vis.dataset)) names.push_back(vis.dataset);
-  auto newest = serverRank_.datasets->getPinned(tenant, names);
-  auto next = newest.begin();
-  for (const Vis& vis : visualization.operators) {
-    if (isKnown(vis.dataset)) {
-      held.data.push_back(known->at(vis.dataset).first);
-      held.pins.push_back(std::move(pinned(serverRank_, {held.data.back()}).front()));
-    } else {
-      held.data.push_back(std::move(next->first));
-      held.pins.push_back(std::move(next->second));
-      ++next;
+  if (given) {
+    for (const Given& g : *given) {
+      held.where.push_back(g.data->where());
+      held.data.push_back(g.data->shown());
     }
-    const auto content = held.pins.back().get<Dataset>();
+    held.pins = serverRank_.objects.pin(held.where);
+  } else {
+    const auto isKnown = [&](const std::string& name) { return known && known->contains(name); };
+    std::vector<std::string> names;
+    for (const Vis& vis : visualization.operators)
+      if (!isKnown(vis.dataset)) names.push_back(vis.dataset);
+    auto newest = serverRank_.datasets->getPinned(tenant, names);
+    auto next = newest.begin();
+    for (const Vis& vis : visualization.operators) {
+      if (isKnown(vis.dataset)) {
+        held.data.push_back(known->at(vis.dataset).first);
+        held.pins.push_back(std::move(pinned(serverRank_, {held.data.back()}).front()));
+      } else {
+        held.data.push_back(std::move(next->first));
+        held.pins.push_back(std::move(next->second));
+        ++next;
+      }
+      held.where.push_back({held.data.back().key, held.data.back().generation});
+    }
+  }
+  std::vector<DataFacts> facts;
+  for (const Pin& pin : held.pins) {
+    const auto content = pin.get<Dataset>();
     facts.push_back(content->volume ? factsOf(*content->volume) : factsOf(*content->geometry));
   }
   held.resolved = resolved(visualization, facts, shown);
   return held;
 }
 
-void SceneCache::widen(const std::string& tenant, const Visualization& visualization,
-                       ShownSoFar& shown) const {
-  hold(tenant, visualization, shown);
+void SceneCache::widen(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown,
+                       const GivenData* given) const {
+  hold(tenant, visualization, shown, nullptr, given);
 }
 
 std::optional<SceneCache::Pinned> SceneCache::pin(const std::string& tenant, const ScenePtr& scene) const {
@@ -165,8 +189,10 @@ std::optional<SceneCache::Pinned> SceneCache::pin(const std::string& tenant, con
 
 SceneCache::Pinned SceneCache::get(const std::string& tenant, const Visualization& visualization,
                                    const RenderSettings& settings, const Asker& asker, ShownSoFar& shown,
-                                   const ScenePtr& known, const PinnedData* pinnedData) {
-  if (known)
+                                   const ScenePtr& known, const PinnedData* pinnedData,
+                                   const GivenData* given) {
+  if (known && given && showsThese(*known, *given)) return {known, {}};
+  if (known && !given)
     if (auto pinned = pin(tenant, known)) return *std::move(pinned);
   if (visualization.operators.empty())
     throw Error("visualization: it has no operators, expected one or more");
@@ -183,24 +209,25 @@ SceneCache::Pinned SceneCache::get(const std::string& tenant, const Visualizatio
       state.datasets.push_back(spec);
   }
   for (int looks = 1;; looks++) {
-    HeldData held = hold(tenant, visualization, shown, pinnedData);
+    HeldData held = hold(tenant, visualization, shown, pinnedData, given);
     state.visualizations = {std::move(held.resolved)};
     try {
-      return {getOf(tenant, state, held.data, asker), std::move(held.pins)};
+      return {getOf(tenant, state, held, given, asker), std::move(held.pins)};
     } catch (const Error&) {
       // Dropped meanwhile, and perhaps replaced by others of the same names.
-      if (namesMean(tenant, held.data) || looks == kLooks) throw;
+      if (given || namesMean(tenant, held.data) || looks == kLooks) throw;
     }
   }
 }
 
-ScenePtr SceneCache::getOf(const std::string& tenant, const State& state,
-                           const std::vector<NamedDataset>& data, const Asker& asker) {
+ScenePtr SceneCache::getOf(const std::string& tenant, const State& state, const HeldData& held,
+                           const GivenData* given, const Asker& asker) {
   asker.check();
   const std::string text = writeState(state);
   std::string content = tenant + "\n" + text;  // whose memory it takes
-  for (const NamedDataset& d : data)
-    content += " " + std::to_string(d.key.value) + ":" + std::to_string(d.generation);
+  for (const NamedDataset& d : held.data) content += " " + idOf(d);
+  if (given)
+    for (const Given& g : *given) content += " " + json{g.color.r, g.color.g, g.color.b}.dump();
 
   MakingPtr making;
   bool begins = false;
@@ -216,7 +243,7 @@ ScenePtr SceneCache::getOf(const std::string& tenant, const State& state,
     making->askers.push_back(&asker);
   }
   if (begins) try {
-      start(making, content, tenant, text, data);
+      start(making, content, tenant, text, held, given);
     } catch (const std::exception& e) {
       end(making, content, nullptr, e.what());
     }
@@ -224,7 +251,7 @@ ScenePtr SceneCache::getOf(const std::string& tenant, const State& state,
 }
 
 void SceneCache::start(const MakingPtr& making, const std::string& content, const std::string& tenant,
-                       const std::string& text, std::vector<NamedDataset> data) {
+                       const std::string& text, const HeldData& held, const GivenData* given) {
   SceneId id;
   {
     const std::lock_guard lock(mutex_);
@@ -232,8 +259,15 @@ void SceneCache::start(const MakingPtr& making, const std::string& content, cons
   }
   auto scene = std::make_shared<SceneHandle>(serverRank_, id);
   json keys = json::array();
-  for (const NamedDataset& d : data) keys.push_back({{"key", d.key.value}, {"generation", d.generation}});
-  scene->data = std::move(data);
+  for (size_t i = 0; i < held.data.size(); i++) {
+    keys.push_back({{"key", held.where[i].key.value},
+                    {"generation", held.where[i].generation},
+                    {"id", idOf(held.data[i])}});
+    if (!given) continue;
+    const glm::dvec4& color = (*given)[i].color;
+    keys.back()["color"] = {color.r, color.g, color.b};
+  }
+  scene->data = held.data;
   auto exchange = serverRank_.exchanges.begin(
       Asker{[making] {
               if (!making->wanted) throw Error("cancelled");

@@ -13,6 +13,7 @@
 
 #include "core/render/scene_builder.h"
 #include "core/scene/resolve.h"
+#include "multiserver/rendering/kept_data.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/module.h"
 
@@ -43,6 +44,13 @@ class SceneCache {
     ScenePtr scene;
     std::vector<Pin> pins;  ///< of its data
   };
+  /// The data of an operator that its name does not say.
+  struct Given {
+    std::shared_ptr<const KeptData> data;
+    glm::dvec4 color{0.8, 0.8, 0.8, 1};  ///< of geometry without values, whatever the dataset says
+    bool operator==(const Given&) const = default;
+  };
+  using GivenData = std::vector<Given>;  ///< by operator
   /// Rank 0: returns a scene of a visualization of the tenant's data, and pins the generations that the scene
   /// shows.
   ///
@@ -60,15 +68,18 @@ class SceneCache {
   /// Ranges and radii that the visualization takes from its data follow the data and all that was shown before. `shown` holds
   /// what was shown before, and the data widen it. A `known` scene has widened it already.
   ///
+  /// `given`, if not null, are the data of the operators, whatever their names mean. A `known` scene is returned if it shows these.
+  ///
   /// Waits; the asker must live as long. Throws Error for data that do not exist or do not fit. Throws soon what
   /// `asker.check` throws; the last caller who waits throws it once no rank holds anything of the scene.
   Pinned get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings,
              const Asker& asker, ShownSoFar& shown, const ScenePtr& known = nullptr,
-             const PinnedData* pinned = nullptr);
+             const PinnedData* pinned = nullptr, const GivenData* given = nullptr);
   /// Rank 0: pins the generations that a scene shows. Nothing if they have gone, or if its names do not mean its objects any more.
   std::optional<Pinned> pin(const std::string& tenant, const ScenePtr& scene) const;
   /// Rank 0: widens `shown` as get() would. Throws Error for data that do not exist.
-  void widen(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const;
+  void widen(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown,
+             const GivenData* given = nullptr) const;
   /// Every rank: returns a scene that rank 0 has a handle of. Throws Error if all handles have gone.
   std::shared_ptr<const CompiledScene> compiled(SceneId id);
   /// Rank 0: whether these names mean these objects to the tenant now, of whatever generation.
@@ -78,11 +89,12 @@ class SceneCache {
   /// A visualization with the data that it shows, pinned, and with numbers where it takes ranges and radii from them.
   struct HeldData {
     std::vector<NamedDataset> data;
+    std::vector<ObjectGeneration> where;  ///< they are now
     std::vector<Pin> pins;
     Visualization resolved;
   };
   HeldData hold(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown,
-                const PinnedData* pinned = nullptr) const;
+                const PinnedData* pinned, const GivenData* given) const;
   SceneSource sourceOf(const nlohmann::json& parameters) const;
   nlohmann::json make(const nlohmann::json& parameters);
   nlohmann::json forget(const nlohmann::json& parameters);
@@ -100,11 +112,11 @@ class SceneCache {
   };
   using MakingPtr = std::shared_ptr<Making>;
   void start(const MakingPtr& making, const std::string& content, const std::string& tenant,
-             const std::string& text, std::vector<NamedDataset> data);
+             const std::string& text, const HeldData& held, const GivenData* given);
   void end(const MakingPtr& making, const std::string& content, ScenePtr scene, const std::string& error);
   void tell(Making& making, int64_t done, int64_t of, const std::string& text, bool phase);
   ScenePtr waitFor(const MakingPtr& making, const std::string& content, const Asker& asker);
-  ScenePtr getOf(const std::string& tenant, const State& state, const std::vector<NamedDataset>& data,
+  ScenePtr getOf(const std::string& tenant, const State& state, const HeldData& held, const GivenData* given,
                  const Asker& asker);
 
   ServerRank& serverRank_;

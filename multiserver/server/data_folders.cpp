@@ -97,13 +97,6 @@ std::string DataFolders::makeFolder(const std::string& name) const {
   if (name.empty() || name.find('\0') != std::string::npos || failed || leaf.empty() || leaf == "." ||
       leaf == "..")
     refuse(name, "it cannot be made");
-  /// A file descriptor that is closed at the end of its scope.
-  struct Descriptor {
-    int number;
-    ~Descriptor() {
-      if (number >= 0) ::close(number);
-    }
-  };
   const Descriptor in{::open(parent.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)};
   if (in.number < 0 || !holds(fs::read_symlink("/proc/self/fd/" + std::to_string(in.number), failed)) ||
       failed)

@@ -39,6 +39,11 @@ json described(const Provenance& provenance) {
   throw Error("dataset " + inQuotes(name) + ": there is none that you see; `list` names what there is");
 }
 
+[[noreturn]] void failOfGraph(const std::string& name) {
+  throw Error("dataset " + inQuotes(name) +
+              " is a node of a graph, which alone changes it; expected another name");
+}
+
 const char* nameOf(DatasetEvent::Kind kind) {
   constexpr const char* names[] = {"added", "updated", "skipped", "dropped", "renamed"};
   return names[size_t(kind)];
@@ -158,7 +163,7 @@ json Datasets::originOf(Key key) const {
 }
 
 NamedDataset Datasets::named(const std::string& name, Scope scope, const DirectoryEntry& e) const {
-  return {e.key, name, scope, e.type, e.owner, e.readOnly, generationOf(e.key)};
+  return {e.key, name, scope, e.type, e.owner, e.readOnly, generationOf(e.key), e.ofGraph};
 }
 
 std::vector<NamedDataset> Datasets::list(const std::string& tenant) const {
@@ -193,7 +198,7 @@ std::vector<std::pair<NamedDataset, Pin>> Datasets::getPinned(const std::string&
     for (size_t i = 0; i < names.size(); i++) {
       if (!all[i]) failMissing(names[i]);
       const auto& [name, scope, entry] = *all[i];
-      datasets.push_back({entry.key, name, scope, entry.type, entry.owner, entry.readOnly});
+      datasets.push_back({entry.key, name, scope, entry.type, entry.owner, entry.readOnly, 0, entry.ofGraph});
       keys.push_back(entry.key);
     }
     return keys;
@@ -215,14 +220,30 @@ void Datasets::pin(const std::string& tenant, const std::vector<std::string>& na
   for (size_t i = 0; i < missing.size(); i++) pinned.insert_or_assign(missing[i], std::move(all[i]));
 }
 
-std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const std::string& name,
-                                              Scope scope) const {
+std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const std::string& name, Scope scope,
+                                              bool ofGraph) const {
   const auto entry = serverRank_.directory.find(tenant, name, scope);
   if (!entry) return std::nullopt;
+  if (entry->ofGraph && !ofGraph) failOfGraph(name);
   if (entry->readOnly && entry->owner != tenant)
     throw Error("dataset " + inQuotes(name) + " belongs to " + entry->owner +
                 " and is read-only, expected a name that is free or your own");
   return named(name, scope, *entry);
+}
+
+void Datasets::nameOfGraph(const std::string& tenant, const std::string& name, Key key, DatasetType type) {
+  const auto now = serverRank_.directory.find(tenant, name, Scope::Private);
+  if (now && (!now->ofGraph || now->key == key)) return;
+  serverRank_.directory.bind(name, Scope::Private, {key, nameOf(type), tenant, false, true});
+  const auto kind = now ? DatasetEvent::Kind::Updated : DatasetEvent::Kind::Added;
+  tell({kind, {key, name, Scope::Private, nameOf(type), tenant, false, 1, true}, {}, {}});
+}
+
+void Datasets::unnameOfGraph(const std::string& tenant, const std::string& name, Key key) {
+  const auto now = serverRank_.directory.find(tenant, name, Scope::Private);
+  if (!now || !now->ofGraph || now->key != key) return;
+  serverRank_.directory.remove(tenant, name, Scope::Private);
+  tell({DatasetEvent::Kind::Dropped, named(name, Scope::Private, *now), {}, {}});
 }
 
 void Datasets::dropObject(Key key) {
@@ -240,9 +261,23 @@ void Datasets::drop(const std::string& tenant, const std::string& name) {
     const std::lock_guard naming(naming_);
     if (endPublishingOf(tenant, name) && !find(tenant, name)) return;
     const NamedDataset dataset = get(tenant, name);
+    if (dataset.ofGraph) failOfGraph(name);
     serverRank_.directory.remove(tenant, name, dataset.scope);
     key = dataset.key;
     tell({DatasetEvent::Kind::Dropped, dataset, {}, {}});
+  }
+  dropObject(key);
+}
+
+void Datasets::dropOfGraph(const std::string& tenant, const std::string& name) {
+  Key key;
+  {
+    const std::lock_guard naming(naming_);
+    const auto now = serverRank_.directory.find(tenant, name, Scope::Private);
+    if (!now || !now->ofGraph) return;
+    serverRank_.directory.remove(tenant, name, Scope::Private);
+    key = now->key;
+    tell({DatasetEvent::Kind::Dropped, named(name, Scope::Private, *now), {}, {}});
   }
   dropObject(key);
 }
@@ -251,6 +286,7 @@ void Datasets::rename(const std::string& tenant, const std::string& name, const 
   checkDatasetName(newName);
   const std::lock_guard naming(naming_);
   const NamedDataset d = get(tenant, name);
+  if (d.ofGraph) failOfGraph(name);
   if (find(tenant, newName))
     throw Error("rename: the name " + inQuotes(newName) + " is in use, expected a free one");
   if (d.scope == Scope::Shared && d.owner != tenant)
@@ -269,6 +305,7 @@ void Datasets::move(const std::string& tenant, const std::string& name, Scope to
   const Scope from = to == Scope::Shared ? Scope::Private : Scope::Shared;
   const auto entry = serverRank_.directory.find(tenant, name, from);
   NamedDataset d = entry ? named(name, from, *entry) : get(tenant, name);
+  if (d.ofGraph) failOfGraph(name);
   if (d.owner != tenant)
     throw Error("dataset " + inQuotes(name) + " belongs to " + d.owner + ", expected one of your own");
   if (!entry)

@@ -33,6 +33,7 @@ struct NamedDataset {
   std::string type, owner;
   bool readOnly = false;
   Generation generation = 0;
+  bool ofGraph = false;  ///< it is GRAPH/NODE, and only the graph changes what this name means
 };
 
 /// Datasets by the names that a request knows them by, each with the generation that it uses, pinned. What others publish and rename
@@ -77,11 +78,16 @@ class Datasets {
     bool newPartitioning = false;
     std::string like;          ///< the dataset whose partitioning is to be used; empty: see docs/protocol.md
     bool onlyMissing = false;  ///< leaves out names that the tenant sees already
+    bool ofGraph = false;      ///< the names are a graph's
   };
   /// Reads files and names what is in them: all or nothing. Waits, also for other imports of the same names, which come one
   /// after the other. The request's tenant owns them; it is told the progress, and its cancelling ends the import.
   /// Returns what of the files is not used, for their user.
   std::vector<std::string> import(Request& request, const Import& what);
+  /// The same for a tenant, whoever asks. `begun` gets the number of the exchange; whoever does not want the import any more cancels
+  /// that. Throws what `asker.check` throws.
+  std::vector<std::string> import(const std::string& tenant, const Asker& asker,
+                                  const std::function<void(uint64_t exchange)>& begun, const Import& what);
 
   /// The names under which a request publishes data. Other requests that want one of them wait until this is released.
   class Names {
@@ -99,6 +105,7 @@ class Datasets {
     uint64_t exchange_ = 0;
     std::vector<DatasetDraft> drafts_;
     std::atomic<bool> dropped_ = false;
+    bool ofGraph_ = false;
     bool givesWay_ = false;              ///< to others that want one of the names
     std::atomic<bool> leaving_ = false;  ///< somebody does
   };
@@ -145,8 +152,16 @@ class Datasets {
   /// These wait for all ranks. A drop also ends imports and filters of the tenant that are under way and are to publish the
   /// name; where there are such, there need be no dataset.
   void drop(const std::string& tenant, const std::string& name);
+  /// The same of what a graph has imported; nothing if there is none.
+  void dropOfGraph(const std::string& tenant, const std::string& name);
   void rename(const std::string& tenant, const std::string& name, const std::string& newName);
   void move(const std::string& tenant, const std::string& name, Scope to, bool readOnly);
+
+  /// Gives a graph's name GRAPH/NODE to an object that the graph has made, in the tenant's directory; observers are told. A name that
+  /// the tenant has given to other data stays theirs. The object that had the name before stays, too.
+  void nameOfGraph(const std::string& tenant, const std::string& name, Key key, DatasetType type);
+  /// Takes the name away from this object, if it has it.
+  void unnameOfGraph(const std::string& tenant, const std::string& name, Key key);
 
   /// Waits until the tenant sees this name with this generation or a newer one; without one, with a newer one than now.
   Generation wait(Request& request, const std::string& name, std::optional<Generation> generation,
@@ -175,7 +190,12 @@ class Datasets {
   bool areFree(const std::set<std::string>& keys) const;
   void askToLeave(const std::set<std::string>& keys);
   std::shared_ptr<const Names> take(const std::set<std::string>& keys, const std::shared_ptr<Names>& names);
-  std::shared_ptr<const Names> takeNames(Request& request, const std::shared_ptr<Names>& names);
+  std::shared_ptr<const Names> takeNames(const Asker& asker, const std::shared_ptr<Names>& names);
+  void notifyOnCancel(Request& request);
+  std::vector<std::string> importAs(const std::string& tenant, const Asker& asker, uint64_t exchange,
+                                    const Import& what);
+  std::shared_ptr<const Names> begin(const Asker& asker, const std::shared_ptr<Names>& names,
+                                     bool onlyMissing);
   std::shared_ptr<const Names> namesOf(uint64_t exchange) const;
   /// Ends what the tenant has begun to publish under this name. False if there is nothing.
   bool endPublishingOf(const std::string& tenant, const std::string& name);
@@ -188,7 +208,8 @@ class Datasets {
   /// or if one that is to get a next generation means another object by now.
   std::vector<NewObject> newObjects(const Names& names) const;
   /// What a name means there. Throws Error if the tenant may not give it to something else.
-  std::optional<NamedDataset> mayName(const std::string& tenant, const std::string& name, Scope scope) const;
+  std::optional<NamedDataset> mayName(const std::string& tenant, const std::string& name, Scope scope,
+                                      bool ofGraph) const;
   nlohmann::json infoHere(const nlohmann::json& parameters) const;
   void tell(const DatasetEvent& event);
   void onObject(const ObjectEvent& event);

@@ -265,18 +265,35 @@ json Datasets::importHere(const json& p) {
 constexpr size_t kAtOnce = 10000;  // datasets: all ranks are told of all of them
 
 std::vector<std::string> Datasets::import(Request& request, const Import& what) {
-  const std::string tenant = request.session().tenant();
+  const auto exchange = serverRank_.exchanges.begin(request);
+  notifyOnCancel(request);
+  return importAs(request.session().tenant(), askerOf(request), *exchange, what);
+}
+
+std::vector<std::string> Datasets::import(const std::string& tenant, const Asker& asker,
+                                          const std::function<void(uint64_t)>& begun, const Import& what) {
+  const auto exchange = serverRank_.exchanges.begin(asker);
+  begun(*exchange);
+  return importAs(tenant, asker, *exchange, what);
+}
+
+std::vector<std::string> Datasets::importAs(const std::string& tenant, const Asker& asker, uint64_t exchange,
+                                            const Import& what) {
   if (what.specs.empty()) throw Error("import: there is no dataset in `Datasets`, expected one or more");
   if (what.specs.size() > kAtOnce)
     throw Error("import: there are " + std::to_string(what.specs.size()) + " datasets, expected at most " +
                 std::to_string(kAtOnce) + " in one request");
-  const auto exchange = serverRank_.exchanges.begin(request);
-  std::vector<DatasetDraft> drafts;
-  for (const DatasetSpec& d : what.specs) drafts.push_back({d.name, d.type});
-  const auto names = begin(request, *exchange, "import", what.scope, std::move(drafts), what.onlyMissing);
+  const auto wanted = std::make_shared<Names>();
+  wanted->operation_ = "import";
+  wanted->tenant_ = tenant;
+  wanted->scope_ = what.scope;
+  wanted->exchange_ = exchange;
+  wanted->ofGraph_ = what.ofGraph;
+  for (const DatasetSpec& d : what.specs) wanted->drafts_.push_back({d.name, d.type});
+  const auto names = begin(asker, wanted, what.onlyMissing);
   if (names->drafts().empty()) return {};
   json parameters{
-      {"exchange", *exchange}, {"tenant", tenant}, {"new", what.newPartitioning}, {"items", names->items()}};
+      {"exchange", exchange}, {"tenant", tenant}, {"new", what.newPartitioning}, {"items", names->items()}};
   std::map<std::string, const DatasetSpec*> specs;
   for (const DatasetSpec& d : what.specs) specs[d.name] = &d;
   for (const DatasetDraft& d : names->drafts())
@@ -286,11 +303,11 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
     if (like->volume && like->volume->stored == ScalarType::Float32)
       parameters["like"] = {like->volume->shift, like->volume->scale, like->volume->rangesOfStored};
     const std::lock_guard lock(mutex_);
-    like_[*exchange] = like->partitioning;
+    like_[exchange] = like->partitioning;
   }
   const std::shared_ptr<void> forget(nullptr, [&](void*) {
     const std::lock_guard lock(mutex_);
-    like_.erase(*exchange);
+    like_.erase(exchange);
   });
   std::vector<std::string> warnings;
   try {
@@ -300,7 +317,7 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
     throw;
   }
   const auto all = int64_t(names->drafts().size()) * Exchanges::kUnits;
-  request.progress(all, all, "done");
+  asker.progress(all, all, "done", true);
   return warnings;
 }
 

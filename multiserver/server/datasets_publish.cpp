@@ -42,7 +42,15 @@ std::shared_ptr<const Datasets::Names> Datasets::begin(Request& request, uint64_
   names->scope_ = scope;
   names->exchange_ = exchange;
   names->drafts_ = std::move(drafts);
-  auto taken = takeNames(request, names);
+  notifyOnCancel(request);
+  return begin(askerOf(request), names, onlyMissing);
+}
+
+std::shared_ptr<const Datasets::Names> Datasets::begin(const Asker& asker,
+                                                       const std::shared_ptr<Names>& names,
+                                                       bool onlyMissing) {
+  const uint64_t exchange = names->exchange_;
+  auto taken = takeNames(asker, names);
   serverRank_.exchanges.alsoCheck(exchange, [names] { names->check(); });
   if (onlyMissing)
     std::erase_if(names->drafts_, [&](const DatasetDraft& d) { return find(names->tenant_, d.name); });
@@ -77,7 +85,7 @@ std::shared_ptr<const Datasets::Names> Datasets::beginNow(const std::string& ten
 
 void Datasets::fillIn(Names& names) const {
   for (DatasetDraft& d : names.drafts_) {
-    const auto present = mayName(names.tenant_, d.name, names.scope_);
+    const auto present = mayName(names.tenant_, d.name, names.scope_, names.ofGraph_);
     const bool isNext = present && present->type == nameOf(d.type);
     d.key = isNext ? present->key : serverRank_.keys.next();
     d.generation = isNext ? present->generation + 1 : 1;
@@ -128,13 +136,17 @@ void Datasets::askToLeave(const std::set<std::string>& keys) {
   for (const uint64_t exchange : leaving) serverRank_.exchanges.cancel(exchange);
 }
 
-std::shared_ptr<const Datasets::Names> Datasets::takeNames(Request& request,
-                                                           const std::shared_ptr<Names>& names) {
-  const std::set<std::string> keys = keysOf(*names);
+// So that who waits for names hears of it at once.
+void Datasets::notifyOnCancel(Request& request) {
   request.onCancel([this] {
     const std::lock_guard lock(mutex_);
     changed_.notify_all();
   });
+}
+
+std::shared_ptr<const Datasets::Names> Datasets::takeNames(const Asker& asker,
+                                                           const std::shared_ptr<Names>& names) {
+  const std::set<std::string> keys = keysOf(*names);
   {
     const std::lock_guard lock(mutex_);
     awaited_.insert(keys.begin(), keys.end());  // so that nobody who gives way takes them meanwhile
@@ -144,10 +156,12 @@ std::shared_ptr<const Datasets::Names> Datasets::takeNames(Request& request,
     for (const std::string& key : keys) awaited_.erase(awaited_.find(key));
   });
   askToLeave(keys);
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return request.cancelled() || areFree(keys); });
-  request.check();
-  return take(keys, names);
+  for (;;) {
+    asker.check();
+    std::unique_lock lock(mutex_);
+    if (areFree(keys)) return take(keys, names);
+    changed_.wait_for(lock, std::chrono::milliseconds(100));
+  }
 }
 
 bool Datasets::endPublishingOf(const std::string& tenant, const std::string& name) {
@@ -169,7 +183,7 @@ std::vector<Datasets::NewObject> Datasets::newObjects(const Names& names) const 
   names.check();
   std::vector<NewObject> objects;
   for (const DatasetDraft& d : names.drafts_) {
-    auto now = mayName(names.tenant_, d.name, names.scope_);
+    auto now = mayName(names.tenant_, d.name, names.scope_, names.ofGraph_);
     if (d.generation > 1) {
       if (!now || now->key != d.key)
         throw Error(
@@ -178,7 +192,8 @@ std::vector<Datasets::NewObject> Datasets::newObjects(const Names& names) const 
       continue;
     }
     NamedDataset dataset{
-        d.key, d.name, names.scope_, nameOf(d.type), names.tenant_, names.scope_ == Scope::Shared, 1};
+        d.key, d.name,        names.scope_, nameOf(d.type), names.tenant_, names.scope_ == Scope::Shared,
+        1,     names.ofGraph_};
     if (now) {
       dataset.owner = now->owner;  // who has published it for all to write
       dataset.readOnly = now->readOnly;
@@ -208,14 +223,15 @@ void Datasets::publish(Publication& publication, uint64_t exchange) {
   if (serverRank_.rank() != 0) return publication.commit();
   std::vector<NewObject> objects;
   std::unique_lock naming(naming_, std::defer_lock);
-  publication.commit({[&] {
-                        naming.lock();
-                        objects = newObjects(*namesOf(exchange));
-                      },
-                      [&] {
-                        for (const auto& [d, replaced] : objects)
-                          serverRank_.directory.bind(d.name, d.scope, {d.key, d.type, d.owner, d.readOnly});
-                      }});
+  publication.commit(
+      {[&] {
+         naming.lock();
+         objects = newObjects(*namesOf(exchange));
+       },
+       [&] {
+         for (const auto& [d, replaced] : objects)
+           serverRank_.directory.bind(d.name, d.scope, {d.key, d.type, d.owner, d.readOnly, d.ofGraph});
+       }});
   for (const auto& [d, replaced] : objects) {
     const std::lock_guard lock(mutex_);
     names_[d.key] = {d.name, d.scope};

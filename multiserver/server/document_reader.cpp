@@ -19,15 +19,15 @@ constexpr int64_t kGivenBack = 8 << 20;  // From this much on, memory is returne
 constexpr int64_t kBytesOfAValue = 128;  // a value, its place in a growing list, and its object
 constexpr int64_t kBytesOfACharacter = 2;
 
-// Returns an upper bound on the memory of parsing a text. Each value follows a comma or an opening bracket.
-int64_t costOf(std::string_view text) {
+}  // namespace
+
+// Each value follows a comma or an opening bracket.
+int64_t parsingBytes(std::string_view text) {
   const auto values =
       1 + std::count_if(text.begin(), text.end(), [](char c) { return c == ',' || c == '[' || c == '{'; });
   return std::min(int64_t(values), int64_t(kMaxJsonValues)) * kBytesOfAValue +
          int64_t(text.size()) * kBytesOfACharacter;
 }
-
-}  // namespace
 
 std::shared_ptr<void> ReadingTurns::take(Request& request) {
   const std::string tenant = request.session().tenant();
@@ -56,7 +56,7 @@ void DocumentReader::makeRoom(std::string_view text) {
   const Session& session = request_.session();
   const bool hasTurn = turn_.use_count() > 0;  // The pointer is null even when it holds a turn.
   if (text.size() > kLong && !hasTurn) turn_ = session.serverRank().reading.take(request_);
-  const int64_t bytes = costOf(text);
+  const int64_t bytes = parsingBytes(text);
   memory_.push_back(session.serverRank().takeMemory(session.tenant(), "documents", bytes));
   bytes_ += bytes;
 }

@@ -18,6 +18,9 @@ namespace gxy {
 
 class Request;
 
+/// Returns an upper bound on the memory, in bytes, that parsing this JSON takes.
+int64_t parsingBytes(std::string_view text);
+
 /// Lets each tenant read one long document at a time. Thread safe.
 class ReadingTurns {
  public:

@@ -32,6 +32,11 @@ std::shared_ptr<const uint64_t> Exchanges::beginLong(Request& request) {
   return begin(request, serverRank_.tenants.beginLong(request.session().tenant(), [&] { request.check(); }));
 }
 
+std::shared_ptr<const uint64_t> Exchanges::beginLong(const std::string& tenant, Asker asker) {
+  auto turn = serverRank_.tenants.beginLong(tenant, asker.check);
+  return begin(std::move(asker), std::move(turn));
+}
+
 std::shared_ptr<const uint64_t> Exchanges::begin(Asker asker) { return begin(std::move(asker), nullptr); }
 
 std::shared_ptr<const uint64_t> Exchanges::begin(Request& request, std::shared_ptr<void> turn) {

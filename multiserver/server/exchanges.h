@@ -42,6 +42,8 @@ class Exchanges {
   /// The same for work that computes for long: waits until the tenant has fewer than Tenants::kLong of these
   /// under way. Throws Error if the request is cancelled.
   [[nodiscard]] std::shared_ptr<const uint64_t> beginLong(Request& request);
+  /// The same for a tenant's work that no request has asked for. Waits; throws what `asker.check` throws.
+  [[nodiscard]] std::shared_ptr<const uint64_t> beginLong(const std::string& tenant, Asker asker);
   /// The same as begin() for any asker. If it no longer wants the work, it calls cancel() to tell the other ranks.
   [[nodiscard]] std::shared_ptr<const uint64_t> begin(Asker asker);
   void cancel(uint64_t number);

@@ -2,6 +2,8 @@
 #include "multiserver/server/filter_runs.h"
 
 #include <algorithm>
+#include <future>
+#include <mutex>
 #include <optional>
 #include <set>
 
@@ -34,17 +36,23 @@ struct MakeWork {
 
   json action(ServerRank& serverRank, const Work::Call&) const {
     Exchanges::Part part = serverRank.exchanges.join(exchange);
-    if (items.empty()) return evaluated(serverRank, part).told;
+    const auto takeMemory = [&](const std::string& purpose, int64_t bytes) {
+      return serverRank.takeMemory(tenant, purpose, bytes);
+    };
+    std::vector<Pin> pins;
+    if (items.empty()) return evaluated(serverRank, part, pins, takeMemory).told;
     Publication publication = serverRank.datasets->join(items, part.ranks);
     publication.reserve();
-    FilterResult result = evaluated(serverRank, part);
+    FilterResult result = evaluated(serverRank, part, pins, takeMemory);
     publication.stage(0, Payload(std::shared_ptr<const Dataset>(std::move(result.dataset))));
     serverRank.datasets->publish(publication, exchange);
     return result.told;
   }
 
-  FilterResult evaluated(ServerRank& serverRank, Exchanges::Part& part) const {
-    std::vector<Pin> pins;
+  using TakeMemory = std::function<LedgerEntry(const std::string& purpose, int64_t bytes)>;
+  FilterResult evaluated(
+      ServerRank& serverRank, Exchanges::Part& part, std::vector<Pin>& pins, const TakeMemory& takeMemory,
+      const std::function<void()>& taken = [] {}) const {
     FilterRun::Inputs inputs;
     std::shared_ptr<const Filter> found;
     agree(part.ranks, [&] {
@@ -54,10 +62,9 @@ struct MakeWork {
         inputs[s.input].push_back({s.name, Key{s.key}, s.generation, pins.back().get<Dataset>()});
       }
     });
+    taken();
     FilterServices services;
-    services.takeMemory = [&](const std::string& purpose, int64_t bytes) {
-      return serverRank.takeMemory(tenant, purpose, bytes);
-    };
+    services.takeMemory = takeMemory;
     services.begin = [&](int64_t item, int64_t of, const std::string& text) {
       part.begin(item, of, text, item == 0);
     };
@@ -72,6 +79,55 @@ struct MakeWork {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MakeWork, exchange, items, filter, properties, tenant, turn, sources)
 
+/// On each rank: the same for a graph. The output is an object without a name.
+struct EvaluateWork {
+  static constexpr const char* name = "filters.evaluate";
+  static constexpr Work::Runs runs = Work::Runs::Long;
+  MakeWork make;
+  uint64_t key = 0;  ///< of the object; 0: the filter makes no dataset
+  std::string label, purpose;
+
+  // What the ledger refuses on this rank is told as such, since room may be made for it.
+  json action(ServerRank& serverRank, const std::function<void()>& taken) const {
+    Exchanges::Part part = serverRank.exchanges.join(make.exchange);
+    std::mutex mutex;
+    std::string noRoom;
+    const auto takeMemory = [&](const std::string&, int64_t bytes) {
+      try {
+        return serverRank.takeMemory(make.tenant, purpose, bytes);
+      } catch (const Error& e) {
+        const std::lock_guard lock(mutex);
+        noRoom = e.what();
+        throw;
+      }
+    };
+    try {
+      return evaluated(serverRank, part, takeMemory, taken);
+    } catch (const Error&) {
+      if (noRoom.empty()) throw;
+      return {{"no room", noRoom}};
+    }
+  }
+
+  json evaluated(ServerRank& serverRank, Exchanges::Part& part, const MakeWork::TakeMemory& takeMemory,
+                 const std::function<void()>& taken) const {
+    std::vector<Pin> pins;
+    // Whoever asks keeps the data. Pins of this rank would keep a publisher from its buffers after a graph has adopted these.
+    const FilterResult result = make.evaluated(serverRank, part, pins, takeMemory, [&] {
+      pins.clear();
+      taken();
+    });
+    if (!result.dataset) return {{"told", result.told}, {"bytes", 0}};
+    const json type = int(typeOf(*result.dataset));
+    const int64_t bytes = result.dataset->bytes;
+    Publication publication(serverRank.objects, part.ranks, {{Key{key}, 1, label}});
+    publication.stage(0, Payload(std::shared_ptr<const Dataset>(result.dataset)));
+    publication.commit();
+    return {{"told", result.told}, {"bytes", bytes}, {"type", type}};
+  }
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EvaluateWork, make, key, label, purpose)
+
 std::vector<std::string> namesIn(const DatasetSpec& entry) {
   std::vector<std::string> names;
   for (const FilterInput& input : entry.inputs)
@@ -81,6 +137,26 @@ std::vector<std::string> namesIn(const DatasetSpec& entry) {
 
 }  // namespace
 
+json describedFilter(const FilterSchema& filter) {
+  json inputs = json::array(), properties = json::array();
+  for (const FilterPort& port : filter.inputs)
+    inputs.push_back({{"name", port.name},
+                      {"takes", namesOf(port.types)},
+                      {"optional", port.count == FilterPort::Count::Optional},
+                      {"many", port.count == FilterPort::Count::Many},
+                      {"any name", port.count == FilterPort::Count::AnyName},
+                      {"help", port.help}});
+  for (const KeyInfo& key : filter.properties)
+    properties.push_back({{"key", key.name},
+                          {"type", key.type},
+                          {"default", key.defaultText},
+                          {"required", key.required},
+                          {"help", key.meaning}});
+  return {{"name", filter.name}, {"version", filter.version},
+          {"help", filter.help}, {"makes", filter.makes ? json(filter.madeText()) : json()},
+          {"inputs", inputs},    {"properties", properties}};
+}
+
 void FilterRuns::addWorks() {
   serverRank_.work.add(
       MakeWork::name,
@@ -88,6 +164,63 @@ void FilterRuns::addWorks() {
         return call.parameters.get<MakeWork>().action(serverRank_, call);
       },
       MakeWork::runs);
+  serverRank_.work.add(
+      EvaluateWork::name,
+      [this](const Work::Call& call) -> json {
+        const auto work = call.parameters.get<EvaluateWork>();
+        return work.action(serverRank_, [&] { taken(work.make.exchange); });
+      },
+      EvaluateWork::runs);
+}
+
+// Rank 0: all ranks have what an evaluation reads.
+void FilterRuns::taken(uint64_t exchange) {
+  std::vector<Pin> pins;  // let go of without the lock
+  const std::lock_guard lock(mutex_);
+  if (const auto found = reading_.find(exchange); found != reading_.end()) pins.swap(found->second);
+}
+
+FilterRuns::Evaluated FilterRuns::evaluate(const Asker& asker, const Evaluation& what) {
+  const auto filter = serverRank_.filters.get(what.filter);
+  const auto exchange = serverRank_.exchanges.beginLong(what.tenant, asker);
+  what.begun(*exchange);
+  EvaluateWork work;
+  work.make = {*exchange,   json::array(),
+               what.filter, what.properties,
+               what.tenant, serverRank_.tenants.number(what.tenant),
+               {}};
+  work.label = what.label;
+  work.purpose = what.purpose;
+  if (filter->schema.makes) work.key = serverRank_.keys.next().value;
+  {
+    std::vector<Pin> pins;
+    for (Evaluation::Source& source : what.sources()) {
+      work.make.sources.push_back({source.input, source.name, source.data.key.value, source.data.generation});
+      pins.push_back(std::move(source.pin));
+    }
+    const std::lock_guard lock(mutex_);
+    reading_[*exchange] = std::move(pins);
+  }
+  const std::shared_ptr<void> forget(nullptr, [&](void*) {
+    std::map<uint64_t, std::vector<Pin>>::node_type pins;
+    const std::lock_guard lock(mutex_);
+    pins = reading_.extract(*exchange);
+  });
+  json parameters;
+  to_json(parameters, work);
+  const auto replies = std::make_shared<std::promise<std::vector<Work::Reply>>>();
+  serverRank_.work.broadcast(EvaluateWork::name, parameters,
+                             [replies](std::vector<Work::Reply> all) { replies->set_value(std::move(all)); });
+  std::vector<Work::Reply> all = replies->get_future().get();
+  for (const Work::Reply& reply : all)
+    if (reply.ok() && reply.result.contains("no room"))
+      throw NoRoom((serverRank_.ranks() > 1 ? "rank " + std::to_string(reply.rank) + ": " : std::string()) +
+                   reply.result.at("no room").get<std::string>());
+  const std::vector<json> results = serverRank_.resultsOf(std::move(all));
+  Evaluated made{Key{work.key}, DatasetType::Volume, 0, results.at(0).at("told")};
+  for (const json& result : results) made.bytes += result.at("bytes").get<int64_t>();
+  if (results[0].contains("type")) made.type = DatasetType(results[0].at("type").get<int>());
+  return made;
 }
 
 std::vector<FilterRuns::Made> FilterRuns::make(Request& request, const std::vector<DatasetSpec>& entries,

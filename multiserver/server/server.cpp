@@ -77,6 +77,7 @@ class Server::Impl {
       changed_.wait(lock, [this] { return count_ == 0 && sessionsEnding_ == 0 && ending_; });
     }
     serverRank_.streaming.end();
+    serverRank_.endings.end();
     context_->stop();
     thread_.join();
     context_->restart();

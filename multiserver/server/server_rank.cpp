@@ -156,9 +156,9 @@ LedgerEntry ServerRank::takeMemory(const std::string& tenant, const std::string&
   const std::lock_guard lock(memory_);  // Check and entry must be one step.
   const auto check = [&](int64_t used, int64_t limit, const std::string& whose) {
     if (bytes > limit - used)
-      throw Error("memory: " + std::to_string(bytes) + " bytes are needed, but of " + whose + "'s " +
-                  std::to_string(limit) + " bytes " + std::to_string(used) +
-                  " are in use, expected room for them");
+      throw NoRoom("memory: " + std::to_string(bytes) + " bytes are needed, but of " + whose + "'s " +
+                   std::to_string(limit) + " bytes " + std::to_string(used) +
+                   " are in use, expected room for them");
   };
   check(ledger.total(tenant), options.tenantMemory, "tenant " + tenant);
   check(ledger.total(), options.memory, "this rank");

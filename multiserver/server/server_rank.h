@@ -14,6 +14,7 @@
 #include "core/analysis/tracer.h"
 #include "core/comm/collective.h"
 #include "core/comm/collectives.h"
+#include "core/comm/error.h"
 #include "core/comm/presence.h"
 #include "core/comm/work.h"
 #include "core/rays/backend.h"
@@ -34,6 +35,12 @@ class FilterRuns;
 class Modules;
 class Sampler;
 
+/// Thrown where the ledger has no room.
+class NoRoom : public Error {
+ public:
+  using Error::Error;
+};
+
 struct ServerRankOptions {
   std::vector<std::string> dataFolders;    ///< empty: the current folder
   std::vector<std::string> moduleFolders;  ///< searched in this order; empty: there are no modules
@@ -46,6 +53,9 @@ struct ServerRankOptions {
   std::chrono::milliseconds rankPatience{10000};  ///< a rank that is silent for this long is missing
   int threads = 2;                                ///< threads of each rank that run its tasks
   int64_t raysInFlight = 1 << 20;                 ///< rays in flight on each rank
+  /// A publisher that waits for this long for the room of a generation that a graph reads or shows gets it: the data become the
+  /// graph's own.
+  std::chrono::milliseconds adoptAfter{1000};
   std::string insituBind = "127.0.0.1";  ///< the address on which each rank takes data of simulations
   Trace* trace = nullptr;  ///< gets requests, works and rendering, unless null; outlives the server rank
 };
@@ -83,7 +93,7 @@ struct ServerRank {
   /// options.rankPatience. Throws Error as resultsOf() does.
   RollCall callThoseThere(const std::string& name, const nlohmann::json& parameters);
 
-  /// Enters memory of a tenant in this rank's ledger. Throws Error if the tenant's limit or the rank's
+  /// Enters memory of a tenant in this rank's ledger. Throws NoRoom if the tenant's limit or the rank's
   /// would be exceeded.
   [[nodiscard]] LedgerEntry takeMemory(const std::string& tenant, const std::string& purpose, int64_t bytes);
 
@@ -134,6 +144,27 @@ struct ServerRank {
     std::function<nlohmann::json()> list_ = [] { return nlohmann::json::array(); };
     std::function<void()> end_ = [] {};
   } streaming;
+  /// What modules have to end while all ranks still answer. The Server on rank 0 ends it after all sessions. Thread safe.
+  class Endings {
+   public:
+    void add(std::function<void()> end) {
+      const std::lock_guard lock(mutex_);
+      ends_.push_back(std::move(end));
+    }
+    /// Calls each once, and waits for what they wait for.
+    void end() {
+      std::vector<std::function<void()>> ends;
+      {
+        const std::lock_guard lock(mutex_);
+        ends.swap(ends_);
+      }
+      for (const auto& end : ends) end();
+    }
+
+   private:
+    std::mutex mutex_;
+    std::vector<std::function<void()>> ends_;
+  } endings;
   Filters filters;  ///< the standard ones, and those of modules
   const std::unique_ptr<Datasets> datasets;
   const std::unique_ptr<FilterRuns> filterRuns;

@@ -111,6 +111,20 @@ echo "batch {\"prefix\": \"annotated\", \"state\": $(cat annotated.json)}" | "$b
 check AlsoAnnotated cmp annotated_00000.png annotated-alone_00000.png
 check WhichIsSeen bash -c '! cmp -s annotated_00000.png served_00000.png'
 
+# A graph, by text alone.
+cat >graph.txt <<'END'
+graph.new fig {"Datasets": [{"name": "eightBalls", "type": "Volume"},
+  {"name": "seeds", "filter": "Seeds", "inputs": {"domain": "eightBalls"}, "shape": "line", "count": 20}]};
+graph.run fig; graph.wait fig;
+graph.edit fig {"edits": [{"set": ["Datasets", "seeds", "count"], "to": 30}]};
+graph.run fig seeds; graph.wait fig; list all; graph.drop fig
+END
+"$bin/msclient" -P "$port" -m data -m graph graph.txt >graph.out
+check AGraphIsDrivenByStatements test "$(grep -c 'dataset seeds: done' graph.out)" = 2
+check AndEdited grep -q 'revision 2' graph.out
+check ItsOutputsHaveNames grep -q '^  fig/seeds' graph.out
+check AndGoWithIt test "$(msdata -c 'list all')" = $'  datasets:\n  eightBalls'
+
 mkdir -p there/pictures/blocked_00000.png
 batch() {  # batch PREFIX: a picture to the client, in folder there/pictures
   (cd there/pictures && "$bin/msclient" -P "$port" -m viewer \

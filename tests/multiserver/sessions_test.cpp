@@ -236,7 +236,7 @@ TEST(Sessions, FoldersOfModulesAreLookedIntoInTheirOrder) {
       << "that of the first folder: " << client->request("load viewer").error;
   client->expect("load data");
   EXPECT_EQ(client->expect("modules").at("available"),
-            (json{"analysis", "data", "example", "insitu", "viewer"}));
+            (json{"analysis", "data", "example", "graph", "insitu", "viewer"}));
 }
 
 TEST(Sessions, AModuleWithAWorkThatThereIsAlreadyChangesNothing) {

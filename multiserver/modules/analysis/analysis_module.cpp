@@ -38,33 +38,13 @@ json make(Request& request) {
   return {{"results", results}, {"warnings", file.warnings}, {"text", text}};
 }
 
-json described(const FilterSchema& filter) {
-  json inputs = json::array(), properties = json::array();
-  for (const FilterPort& port : filter.inputs)
-    inputs.push_back({{"name", port.name},
-                      {"takes", namesOf(port.types)},
-                      {"optional", port.count == FilterPort::Count::Optional},
-                      {"many", port.count == FilterPort::Count::Many},
-                      {"any name", port.count == FilterPort::Count::AnyName},
-                      {"help", port.help}});
-  for (const KeyInfo& key : filter.properties)
-    properties.push_back({{"key", key.name},
-                          {"type", key.type},
-                          {"default", key.defaultText},
-                          {"required", key.required},
-                          {"help", key.meaning}});
-  return {{"name", filter.name}, {"version", filter.version},
-          {"help", filter.help}, {"makes", filter.makes ? json(filter.madeText()) : json()},
-          {"inputs", inputs},    {"properties", properties}};
-}
-
 json filters(Request& request) {
   protocol::Arguments(request.arguments(), "filters").expectEnd();
   const Filters& known = request.session().serverRank().filters;
   json all = json::array();
   std::string text = "filters:";
   for (const std::string& name : known.names()) {
-    all.push_back(described(*known.find(name)));
+    all.push_back(describedFilter(*known.find(name)));
     text += "\n" + name + ": " + known.find(name)->help;
   }
   return {{"filters", all}, {"text", text}};

@@ -24,10 +24,12 @@ json listed(const NamedDataset& d) {
 Datasets& datasetsOf(const Request& request) { return *request.session().serverRank().datasets; }
 
 json list(Request& request, protocol::Arguments arguments) {
+  const bool all = arguments.taken("all");
   arguments.expectEnd();
   json datasets = json::array();
   std::string text = "datasets:";
   for (const NamedDataset& d : datasetsOf(request).list(request.session().tenant())) {
+    if (d.ofGraph && !all) continue;
     datasets.push_back(listed(d));
     text += "\n" + d.name;
   }
@@ -62,7 +64,7 @@ json info(Request& request, protocol::Arguments arguments) {
     add(dataset, known);
   } else {
     for (const NamedDataset& d : datasets.list(tenant))
-      if (const json known = datasets.info(d); !known.is_null()) add(d, known);
+      if (const json known = d.ofGraph ? json() : datasets.info(d); !known.is_null()) add(d, known);
   }
   return {{"datasets", all}, {"text", text}};
 }
@@ -218,7 +220,8 @@ Verb verb(std::string name, std::string arguments, std::string help, Order order
 
 GALAXY_MODULE(registration) {
   using namespace gxy;
-  registration.verb(verb("list", "", "Names the datasets.", Order::InTurn, list));
+  registration.verb(verb("list", "[all]", "Names the datasets; with `all` those that graphs have made, too.",
+                         Order::InTurn, list));
   registration.verb(verb("info", "[NAME]", "What is known of a dataset, or of all.", Order::InTurn, info));
   registration.verb(verb("import", "[shared] [new | like NAME] {\"Datasets\": [...]}",
                          "Reads files; each becomes a dataset, or a new generation of one.", Order::Aside,

@@ -403,7 +403,33 @@ json scene(Services& services, Request& request, Arguments arguments) {
   return result;
 }
 
+// `show ID {"graph": ..., "view": ...}`: a window on a view of a graph; nothing if something else is to be shown.
+std::optional<json> showView(Services& services, Request& request, Arguments arguments) {
+  Arguments words = arguments;
+  words.expectWord();
+  if (words.word()) return std::nullopt;
+  const auto text = words.json();
+  DocumentReader reader(request);
+  if (!text || !reader.object(*text, "show").contains("graph")) return std::nullopt;
+  Session& session = request.session();
+  const uint32_t id = windowId(arguments);
+  Members members(reader, arguments.json(), "show");
+  const std::string name = members.text("graph", ""), view = members.text("view", "");
+  if (view.empty()) throw Error("show: `view` is missing, expected the name of a view of the graph");
+  members.expectNoMore();
+  const auto graph = services.graphs->get(session.tenant(), name);
+  const auto windows = windowsOf(session);
+  const bool isNew = windows->all().count(id) == 0;
+  const WindowPtr window = windows->make(id, services, session.sharedOutbox());
+  const auto size = graph->content(view).size;
+  if (isNew && size && uint64_t(size->x) * uint64_t(size->y) <= session.limits().pixels)
+    window->setSettings({*size, false});
+  window->setGraph(graph, view);
+  return json{{"window", id}, {"graph", name}, {"view", view}, {"text", ""}};
+}
+
 json show(Services& services, Request& request, Arguments arguments) {
+  if (auto shown = showView(services, request, arguments)) return *std::move(shown);
   std::vector<std::string> names;
   glm::ivec2 size = Camera().dimensions;
   State state = lookOf(services, request, arguments, "show", names, &size).state;
@@ -460,8 +486,9 @@ GALAXY_MODULE(registration) {
            Order::InTurn, camera));
   registration.verb(verb("scene", "NAME... [JSON]", "A state document that shows datasets or data files.",
                          Order::Aside, [&s](Request& r, Arguments a) { return scene(s, r, std::move(a)); }));
-  registration.verb(verb("show", "NAME... [JSON]", "Sends a picture of datasets or data files.", Order::Aside,
-                         [&s](Request& r, Arguments a) { return show(s, r, std::move(a)); }));
+  registration.verb(verb("show", "NAME... [JSON] | ID {\"graph\": NAME, \"view\": NAME}",
+                         "Sends a picture of datasets or data files; or has a window show a view of a graph.",
+                         Order::Aside, [&s](Request& r, Arguments a) { return show(s, r, std::move(a)); }));
   registration.verb(verb("batch", "JSON", "Renders every visualization with every camera of a state.",
                          Order::Aside, [&s](Request& r, Arguments a) { return batch(s, r, std::move(a)); }));
   registration.verb(verb("cinema", "JSON", "Makes a Cinema database of a sweep, or adds to it.", Order::Aside,

@@ -34,13 +34,16 @@ void Window::setSettings(const Settings& settings) {
     settings_ = settings;
     wantNews();
     change.ended = endRefinement();
-    change.newData = update_.due && settings_.follow && !current_ && !waiting_;
+    change.newData = update_.due && follows() && !current_ && !waiting_;
   }
   carryOut(change);
 }
 
 void Window::setVisualization(const Visualization& visualization, LedgerEntry memory) {
+  std::shared_ptr<GraphView> view;  // let go of without the lock
   const std::lock_guard lock(mutex_);
+  view.swap(view_);
+  content_ = {};
   state_.visualizations[0] = visualization;
   shown_ = {};
   stateMemory_ = std::move(memory);
@@ -52,7 +55,7 @@ void Window::setVisualization(const Visualization& visualization, LedgerEntry me
 // With the lock held.
 void Window::wantNews() {
   wish_ = nullptr;
-  if (!settings_.follow || !hasVisualization_ || phase_ == Phase::Closed) return;
+  if (!settings_.follow || view_ || !hasVisualization_ || phase_ == Phase::Closed) return;
   std::vector<std::string> names;
   for (const Vis& vis : state_.visualizations[0].operators) names.push_back(vis.dataset);
   if (!names.empty()) wish_ = services_.serverRank.datasets->want(tenant_, names);
@@ -76,14 +79,16 @@ void Window::setCamera(const Camera& camera) {
 Window::Seen Window::seen(const std::optional<Camera>& camera) const {
   State now;
   ShownSoFar shown;
+  std::optional<SceneCache::GivenData> given;
   {
     const std::lock_guard lock(mutex_);
+    if (view_) given = content_.data;
     now.visualizations = state_.visualizations;
     now.cameras = {camera.value_or(state_.cameras[0])};
     now.cameras[0].dimensions = settings_.size;
     shown = shown_;
   }
-  services_.scenes.widen(tenant_, now.visualizations[0], shown);
+  services_.scenes.widen(tenant_, now.visualizations[0], shown, given ? &*given : nullptr);
   return {fitted(now.cameras[0], shown.box), std::move(shown)};
 }
 
@@ -98,18 +103,20 @@ State Window::state() const {
 Window::View Window::view(const Asker& asker) const {
   ScenePtr known;
   ShownSoFar shown;
+  std::optional<SceneCache::GivenData> given;
   {
     const std::lock_guard lock(mutex_);
     known = scene_;
     shown = shown_;
+    if (view_) given = content_.data;
   }
   const State shows = state();
   if (shows.visualizations.empty())
     throw Error("window " + std::to_string(id_) +
                 ": it shows nothing yet, expected a `set` with a Visualization");
   validate(shows.cameras[0]);
-  SceneCache::Pinned pinned =
-      services_.scenes.get(tenant_, shows.visualizations[0], shows.settings, asker, shown, known);
+  SceneCache::Pinned pinned = services_.scenes.get(tenant_, shows.visualizations[0], shows.settings, asker,
+                                                   shown, known, nullptr, given ? &*given : nullptr);
   return {std::move(pinned), shows.visualizations[0], fitted(shows.cameras[0], shown.box)};
 }
 
@@ -143,6 +150,9 @@ void Window::close() {
   ended_.wait(lock, [this] { return unfinished_ == 0; });
   scene_ = nullptr;
   edited_ = nullptr;
+  const std::shared_ptr<GraphView> view = std::exchange(view_, nullptr);
+  content_ = {};
+  lock.unlock();  // before the view goes
 }
 
 void Window::onData(const DatasetEvent& event) {
@@ -159,6 +169,7 @@ void Window::carryOut(const Change& change) {
 Window::Change Window::changeBy(const DatasetEvent& event) {
   Change change;
   const std::lock_guard lock(mutex_);
+  if (view_) return change;
   if (event.kind == DatasetEvent::Kind::Dropped && current_ && current_->scene &&
       current_->scene->find(event.dataset.key) &&
       !services_.scenes.namesMean(tenant_, current_->scene->data)) {
@@ -210,6 +221,65 @@ bool Window::allThereAfter(const DatasetEvent& event) const {
   });
 }
 
+void Window::setGraph(std::shared_ptr<Graph> graph, const std::string& view) {
+  // The graph calls the window without its own locks, and the window calls the graph without this one.
+  auto shown = std::make_shared<GraphView>(std::move(graph), view, [weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->onGraph();
+  });
+  {
+    const std::lock_guard lock(mutex_);
+    if (phase_ == Phase::Closed) throw Error("window " + std::to_string(id_) + ": it is closed");
+    view_.swap(shown);
+    content_ = {};
+    content_.text = "its data are not there yet";
+    state_.visualizations[0] = {};
+    shown_ = {};
+    stateMemory_ = {};
+    hasVisualization_ = true;
+    forgetScene();
+    wantNews();
+  }
+  onGraph();
+}
+
+// Takes what the view shows now.
+void Window::onGraph() {
+  std::shared_ptr<GraphView> view;
+  {
+    const std::lock_guard lock(mutex_);
+    view = view_;
+  }
+  if (!view) return;
+  ViewContent content = view->content();
+  Change change;
+  {
+    const std::lock_guard lock(mutex_);
+    if (view_ != view || content.serial < content_.serial || phase_ == Phase::Closed) return;
+    const Visualization look = content.visualization.value_or(Visualization());
+    const bool newLook = !(state_.visualizations[0] == look) || !(state_.settings == content.settings);
+    const bool newData = content.data != content_.data;
+    const bool newCamera = content.camera && content.camera != content_.camera;
+    const bool newText = content.text != content_.text;
+    content_ = std::move(content);
+    state_.settings = content_.settings;
+    if (newCamera) state_.cameras[0] = *content_.camera;
+    if (newLook) state_.visualizations[0] = look;
+    if (!newLook && !newData && !newCamera && !newText) return;
+    if (newData) change.scenes = {std::exchange(scene_, nullptr), std::exchange(edited_, nullptr)};
+    forgetScene();
+    updates_++;
+    if (waiting_) {
+      change.scenes.push_back(std::exchange(waiting_->scene, nullptr));
+      change.pins.swap(waiting_->pins);
+    } else if (asked_ > 0 && content_.visualization) {
+      update_.due = current_ != nullptr;
+      if (const FrameId refined = endRefinement()) change.ended = refined;
+      change.newData = !update_.due;
+    }
+  }
+  carryOut(change);
+}
+
 void Window::onWanted(Key key, Generation generation) {
   Change change;
   {
@@ -237,7 +307,7 @@ void Window::onWanted(Key key, Generation generation) {
 // that is to be superseded; 0: none. With the lock held.
 FrameId Window::endRefinement() {
   if (!current_ || current_->over || !current_->whole()) return 0;
-  if (update_.due && settings_.follow)
+  if (update_.due && follows())
     current_->over = "superseded";
   else if (!current_->why.empty())
     current_->over = "failed";
@@ -258,7 +328,7 @@ void Window::tryAgain() {
   {
     const std::lock_guard lock(mutex_);
     update_.awaitsRoom = false;
-    if (!update_.due || !settings_.follow || current_ || waiting_) return;
+    if (!update_.due || !follows() || current_ || waiting_) return;
   }
   renderNewData();
 }

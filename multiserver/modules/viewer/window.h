@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "multiserver/graph/graphs.h"
 #include "multiserver/modules/viewer/first_looks.h"
 #include "multiserver/modules/viewer/retries.h"
 #include "multiserver/protocol/pixel_record.h"
@@ -21,10 +22,14 @@ namespace gxy::viewer {
 /// The parts of the viewer module on a rank.
 struct Services {
   explicit Services(Registration& registration)
-      : serverRank(registration.serverRank()), looks(registration), rendering(renderingOf(registration)) {}
+      : serverRank(registration.serverRank()),
+        looks(registration),
+        rendering(renderingOf(registration)),
+        graphs(graphsOf(registration)) {}
   ServerRank& serverRank;
   FirstLooks looks;
   const std::shared_ptr<Rendering> rendering;
+  const std::shared_ptr<Graphs> graphs;
   SceneCache& scenes = rendering->scenes;
   PictureDelivery& pictures = rendering->pictures;
   std::mutex tables;  ///< of Cinema databases are read and replaced by one at a time
@@ -57,6 +62,8 @@ class Window : public std::enable_shared_from_this<Window> {
   /// These replace one part of the window's state document. `memory` is the ledger's entry for the visualization.
   void setVisualization(const Visualization& visualization, LedgerEntry memory);
   void setRenderer(const RenderSettings& settings);
+  /// From now on the window shows this view and follows its edits and data, until setVisualization().
+  void setGraph(std::shared_ptr<Graph> graph, const std::string& view);
   void setCamera(const Camera& camera);
   State state() const;
   /// A camera, and what the window has shown since its visualization was set.
@@ -129,6 +136,8 @@ class Window : public std::enable_shared_from_this<Window> {
     bool newData = false;          ///< whether to call renderNewData()
   };
   Change changeBy(const DatasetEvent& event);
+  void onGraph();
+  bool follows() const { return settings_.follow || view_; }
   void carryOut(const Change& change);
   bool concerns(const DatasetEvent& event) const;
   bool allThereAfter(const DatasetEvent& event) const;
@@ -139,6 +148,7 @@ class Window : public std::enable_shared_from_this<Window> {
   struct Snapshot;
   Snapshot takeSnapshot();
   FramePtr frameOf(const FrameOptions& options, const Snapshot& snapshot) const;
+  static void keep(Frame& frame, std::vector<Pin> pins, bool ofGraph, const ViewContent& content);
   void compile(Frame& frame, Snapshot& snapshot, const Asker& asker);
   void takeRoom(Frame& frame) const;
   FramePtr makeCurrent(const FramePtr& frame);
@@ -179,9 +189,11 @@ class Window : public std::enable_shared_from_this<Window> {
   State state_;
   LedgerEntry stateMemory_;
   bool hasVisualization_ = false;
-  ShownSoFar shown_;          ///< since the visualization was set
-  uint64_t asked_ = 0;        ///< frames that the client has asked for, refused ones included
-  FrameOptions lastOptions_;  ///< of the last of these
+  std::shared_ptr<GraphView> view_;  ///< of a graph, which says what is shown; null: none
+  ViewContent content_;              ///< of it
+  ShownSoFar shown_;                 ///< since the visualization was set
+  uint64_t asked_ = 0;               ///< frames that the client has asked for, refused ones included
+  FrameOptions lastOptions_;         ///< of the last of these
   ScenePtr scene_;   ///< of the last frame, kept for the next; null once the state or the data have changed
   ScenePtr edited_;  ///< the scene before an edit, kept until the next scene has taken over what it can
   Phase phase_ = Phase::Idle;

@@ -13,6 +13,11 @@ struct Window::Snapshot {
   ScenePtr scene;
   ScenePtr edited;       ///< the scene before an edit, held until the new scene has taken over what it can
   uint64_t updates = 0;  ///< Window::updates_
+  bool ofGraph = false;  ///< `content` says what is shown
+  ViewContent content;
+
+  /// The data that the operators have; null: those of their names.
+  const SceneCache::GivenData* given() const { return ofGraph ? &content.data : nullptr; }
 };
 
 /// One frame: its stages are its levels, then the further passes of the last.
@@ -23,6 +28,8 @@ struct Window::Frame {
   ScenePtr scene;  ///< null: the data changed while the frame waited, and it gets a scene when it begins
   Camera camera;   ///< of the window's size
   std::vector<Pin> pins;
+  SceneCache::GivenData given;  ///< keeps the data of a view of a graph
+  uint64_t revision = 0;        ///< of the graph's document; 0: none is shown
   Tenants::RenderSlot slot;
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
 

@@ -66,7 +66,8 @@ Window::Snapshot Window::takeSnapshot() {
   if (!hasVisualization_)
     throw Error("window " + std::to_string(id_) +
                 ": it shows nothing yet, expected a `set` with a Visualization");
-  Snapshot snapshot{state_, shown_, state_.cameras[0], scene_, std::exchange(edited_, nullptr), updates_};
+  Snapshot snapshot{state_,   shown_,           state_.cameras[0], scene_, std::exchange(edited_, nullptr),
+                    updates_, view_ != nullptr, content_};
   snapshot.camera.dimensions = settings_.size;
   return snapshot;
 }
@@ -89,13 +90,23 @@ Window::FramePtr Window::frameOf(const FrameOptions& options, const Snapshot& sn
   return frame;
 }
 
+// What a graph keeps is not pinned as well: its publisher would not get its room back when the graph adopts it.
+void Window::keep(Frame& frame, std::vector<Pin> pins, bool ofGraph, const ViewContent& content) {
+  frame.pins.clear();
+  frame.given = ofGraph ? content.data : SceneCache::GivenData();
+  frame.revision = ofGraph ? content.revision : 0;
+  if (!ofGraph) frame.pins = std::move(pins);
+}
+
 // Waits for the scene.
 void Window::compile(Frame& frame, Snapshot& snapshot, const Asker& asker) {
   const State& state = snapshot.state;
+  if (snapshot.ofGraph && !snapshot.content.visualization)
+    throw Error("window " + std::to_string(id_) + ": " + snapshot.content.text);
   SceneCache::Pinned pinned;
   try {
     pinned = services_.scenes.get(tenant_, state.visualizations[0], state.settings, asker, snapshot.shown,
-                                  snapshot.scene);
+                                  snapshot.scene, nullptr, snapshot.given());
   } catch (const Error&) {
     // A client that has cancelled the making of an edited scene makes the next edit. That scene, too, can
     // take over parts of the scene before the edits, so that one is put back. After another error, such as a
@@ -108,7 +119,7 @@ void Window::compile(Frame& frame, Snapshot& snapshot, const Asker& asker) {
   snapshot.edited = nullptr;
   snapshot.scene = nullptr;
   frame.scene = std::move(pinned.scene);
-  frame.pins = std::move(pinned.pins);
+  keep(frame, std::move(pinned.pins), snapshot.ofGraph, snapshot.content);
   frame.camera = fitted(frame.camera, snapshot.shown.box);
   // Kept for the next frame, also where this one is refused, unless the state or the data have changed since.
   const std::lock_guard lock(mutex_);
@@ -208,10 +219,15 @@ void Window::beginWaiting() {
 void Window::beginWithNewData(const FramePtr& frame) {
   uint64_t updates = 0;
   ShownSoFar shown;
+  bool ofGraph = false;
+  ViewContent content;
   {
     const std::lock_guard lock(mutex_);
     updates = updates_;
     shown = shown_;
+    ofGraph = view_ != nullptr;
+    content = content_;
+    if (ofGraph) frame->state = state_;  // What operators there are changes with the data.
   }
   Asker asker;
   asker.check = [&] {
@@ -219,8 +235,10 @@ void Window::beginWithNewData(const FramePtr& frame) {
     if (frame->over) throw Error(frame->over);
   };
   try {
+    if (ofGraph && !content.visualization) throw Error(content.text);
     SceneCache::Pinned pinned =
-        services_.scenes.get(tenant_, frame->state.visualizations[0], frame->state.settings, asker, shown);
+        services_.scenes.get(tenant_, frame->state.visualizations[0], frame->state.settings, asker, shown,
+                             nullptr, nullptr, ofGraph ? &content.data : nullptr);
     const std::lock_guard lock(mutex_);
     if (state_.visualizations == frame->state.visualizations) shown_ = shown;
     if (Camera camera = frame->state.cameras[0]; camera.fit) {
@@ -228,7 +246,7 @@ void Window::beginWithNewData(const FramePtr& frame) {
       frame->camera = fitted(camera, shown.box);
     }
     frame->scene = std::move(pinned.scene);
-    frame->pins = std::move(pinned.pins);
+    keep(*frame, std::move(pinned.pins), ofGraph, content);
     if (updates_ == updates && state_.visualizations == frame->state.visualizations &&
         state_.settings == frame->state.settings)
       scene_ = frame->scene;
@@ -383,8 +401,10 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
            {"passes", frame->passesSent},
            {"seconds", secondsSince(frame->begin)}};
   if (std::string_view(status) == "failed") end["error"] = error;
+  if (frame->revision > 0) end["revision"] = frame->revision;
   // Whoever is told that it has ended finds its room free.
   frame->pins.clear();
+  frame->given.clear();
   frame->sum = {};
   frame->sumMemory = {};
   frame->slot = {};
@@ -399,7 +419,7 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
       if (phase_ == Phase::Rendering || phase_ == Phase::Refining) phase_ = Phase::Idle;
     }
     if (!current_ && !waiting_)  // after a frame that was cancelled too
-      again = update_.due && settings_.follow && phase_ != Phase::Closed;
+      again = update_.due && follows() && phase_ != Phase::Closed;
     unfinished_--;
     ended_.notify_all();
   }

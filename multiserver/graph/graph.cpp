@@ -1,0 +1,449 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a graph is told.
+#include "multiserver/graph/graph.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/scene/dataset_type.h"
+#include "multiserver/graph/document_edits.h"
+#include "multiserver/protocol/json.h"
+
+namespace gxy {
+
+using nlohmann::json;
+
+Graph::Graph(GraphServices& services, std::string tenant, std::string name)
+    : services_(services),
+      tenant_(std::move(tenant)),
+      name_(std::move(name)),
+      flow_(services.serverRank.filters) {}
+
+Graph::~Graph() = default;
+
+void Graph::checkNotEnded() const {
+  if (isEnded_) throw Error("graph " + inQuotes(name_) + ": it was dropped");
+}
+
+// The document.
+
+std::vector<std::string> Graph::setDocument(const json& document, const StateReader& readState) {
+  const std::lock_guard editing(editing_);
+  GraphDocument read = readGraphDocument(name_, document, services_.serverRank.filters, withRoom(readState));
+  std::vector<std::string> warnings = read.warnings;
+  LedgerEntry memory = roomFor(read);
+  const std::lock_guard lock(mutex_);
+  checkNotEnded();
+  commit(std::move(read), std::move(memory), false, nullptr);
+  return warnings;
+}
+
+json Graph::edit(const json& edits, bool live, const Client& by, const StateReader& readState) {
+  const std::lock_guard editing(editing_);
+  json now;
+  {
+    const std::lock_guard lock(mutex_);
+    checkNotEnded();
+    now = document_.json;
+  }
+  EditedDocument made = edited(now, edits);
+  GraphDocument read =
+      readGraphDocument(name_, std::move(made.document), services_.serverRank.filters, withRoom(readState));
+  json warnings = read.warnings;
+  LedgerEntry memory = roomFor(read);
+  const std::lock_guard lock(mutex_);
+  checkNotEnded();
+  commit(std::move(read), std::move(memory), live,
+         {{"event", "graph"}, {"graph", name_}, {"by", by.json()}, {"edits", edits}, {"live", live}});
+  return {{"revision", revision_}, {"inverse", std::move(made.inverse)}, {"warnings", std::move(warnings)}};
+}
+
+// Of what a document takes. Outputs that nothing shows have to give way.
+LedgerEntry Graph::roomFor(const GraphDocument& document) {
+  constexpr int64_t kBytesOfACharacter = 4;
+  const auto bytes = int64_t(protocol::dump(document.json).size()) * kBytesOfACharacter;
+  for (;;) try {
+      return services_.serverRank.takeMemory(tenant_, "graph " + name_, bytes);
+    } catch (const NoRoom&) {
+      if (!giveUpOldest()) throw;
+    }
+}
+
+// The same of what reading it takes.
+StateReader Graph::withRoom(const StateReader& readState) {
+  return [this, &readState](std::string_view text, const std::string& what) {
+    for (;;) try {
+        return readState(text, what);
+      } catch (const NoRoom&) {
+        if (!giveUpOldest()) throw;
+      }
+  };
+}
+
+// With the lock held, like all that follow here without a lock of their own.
+void Graph::commit(GraphDocument document, LedgerEntry memory, bool live, const json& event) {
+  try {
+    flow_.edit(document.flow, live);
+  } catch (const Error& e) {
+    const DocumentProblem problem = problemOf(e.what());
+    throw Error(problem.path + ": " + problem.text);
+  }
+  document_ = std::move(document);
+  documentMemory_ = std::move(memory);
+  revision_++;
+  if (!event.is_null()) {
+    json told = event;
+    told["revision"] = revision_;
+    send(told);
+  }
+  dropWhatTheDocumentHasNot();
+  lookAtData();
+  act();
+  for (const flow::ViewSpec& view : document_.flow.views) tellNode({flow::NodeId::Kind::View, view.name});
+  wantNews();
+  viewsChanged();
+}
+
+void Graph::dropWhatTheDocumentHasNot() {
+  ServerRank& serverRank = services_.serverRank;
+  std::erase_if(told_, [&](const auto& item) {
+    const auto& [kind, name] = item.first;
+    return kind == flow::NodeId::Kind::View ? !document_.looks.contains(name) : !document_.dataset(name);
+  });
+  for (auto it = named_.begin(); it != named_.end();) {
+    const DatasetSpec* spec = document_.dataset(it->first);
+    if (spec && !spec->filter.empty()) {
+      ++it;
+      continue;
+    }
+    serverRank.datasets->unnameOfGraph(tenant_, name_ + "/" + it->first, it->second.second);
+    it = named_.erase(it);
+  }
+  for (auto it = fetched_.begin(); it != fetched_.end();) {
+    const DatasetSpec* spec = document_.dataset(it->first);
+    if (spec) it->second.spec.color = spec->color;
+    if (spec && *spec == it->second.spec) {
+      ++it;
+      continue;
+    }
+    stop(*it->second.running);
+    if (!spec || spec->filename.empty())
+      post([this, name = name_ + "/" + it->first] {
+        services_.serverRank.datasets->dropOfGraph(tenant_, name);
+      });
+    it = fetched_.erase(it);
+  }
+}
+
+json Graph::describe() const {
+  const std::lock_guard lock(mutex_);
+  checkNotEnded();
+  return {{"graph", name_},
+          {"document", document_.json},
+          {"revision", revision_},
+          {"paused", flow_.isPaused()},
+          {"nodes", nodesJson()}};
+}
+
+json Graph::summary() const {
+  const std::lock_guard lock(mutex_);
+  return {{"graph", name_},
+          {"revision", revision_},
+          {"nodes", document_.flow.datasets.size() + document_.flow.views.size() + document_.outputs.size()},
+          {"clients", watchers_.size()},
+          {"paused", flow_.isPaused()}};
+}
+
+// Who watches, and what they ask for.
+
+void Graph::watch(const Client& client, const std::shared_ptr<Outbox>& outbox) {
+  const std::lock_guard lock(mutex_);
+  checkNotEnded();
+  watchers_[client.session] = {client, outbox};
+  sendPresent();
+}
+
+void Graph::unwatch(uint64_t session) {
+  const std::lock_guard lock(mutex_);
+  if (watchers_.erase(session) > 0) sendPresent();
+}
+
+void Graph::run(const std::optional<std::string>& node) {
+  const std::lock_guard lock(mutex_);
+  checkNotEnded();
+  node ? flow_.run(*node) : flow_.run();
+  act();
+}
+
+void Graph::cancel(const std::optional<std::string>& node) {
+  const std::lock_guard lock(mutex_);
+  checkNotEnded();
+  node ? flow_.cancel(*node) : flow_.cancel();
+  act();
+}
+
+void Graph::pause() {
+  const std::lock_guard lock(mutex_);
+  checkNotEnded();
+  flow_.pause();
+  act();
+  wantNews();
+}
+
+void Graph::resume() {
+  const std::lock_guard lock(mutex_);
+  checkNotEnded();
+  flow_.resume();
+  act();
+  wantNews();
+}
+
+bool Graph::waitUntilIdle(std::chrono::duration<double> patience, const std::function<void()>& check) {
+  const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(patience);
+  for (;;) {
+    check();
+    std::unique_lock lock(mutex_);
+    checkNotEnded();
+    const bool fetches = std::any_of(fetched_.begin(), fetched_.end(),
+                                     [](const auto& item) { return item.second.isUnderWay; });
+    if (!flow_.isBusy() && !fetches && !isLookPosted()) return true;
+    if (Clock::now() >= until) return false;
+    changed_.wait_for(lock, std::chrono::milliseconds(50));
+  }
+}
+
+uint64_t Graph::show(const std::string& view, std::function<void()> changed) {
+  const std::lock_guard lock(mutex_);
+  checkNotEnded();
+  const uint64_t window = nextWindow_++;
+  windows_[view][window] = std::move(changed);
+  flow_.show(view);
+  act();
+  wantNews();
+  return window;
+}
+
+void Graph::hide(const std::string& view, uint64_t window) {
+  const std::lock_guard lock(mutex_);
+  auto& windows = windows_[view];
+  windows.erase(window);
+  if (!windows.empty()) return;
+  windows_.erase(view);
+  shown_.erase(view);
+  if (isEnded_) return;
+  flow_.hide(view);
+  act();
+  wantNews();
+}
+
+void Graph::viewsChanged() {
+  serial_++;
+  for (const auto& [view, windows] : windows_)
+    for (const auto& [number, changed] : windows) post(changed);
+}
+
+ViewContent Graph::content(const std::string& view) const {
+  const std::lock_guard lock(mutex_);
+  ViewContent content;
+  content.serial = serial_;
+  content.revision = revision_;
+  content.settings = document_.settings;
+  if (isEnded_) {
+    content.text = "the graph was dropped";
+    return content;
+  }
+  const auto look = document_.looks.find(view);
+  if (look == document_.looks.end()) {
+    content.text = "the graph has no view " + inQuotes(view);
+    return content;
+  }
+  content.camera = look->second.camera;
+  content.size = look->second.size;
+  const auto shown = shown_.find(view);
+  content.text = shown == shown_.end() ? "its data are not there yet" : shown->second.text;
+  if (shown == shown_.end() || shown->second.isHeld) return content;
+  Visualization visualization = look->second.visualization;
+  std::erase_if(visualization.operators, [&](const Vis& vis) {
+    const auto item = std::find_if(shown->second.items.begin(), shown->second.items.end(),
+                                   [&](const ShownItem& i) { return i.node == vis.dataset; });
+    if (item == shown->second.items.end()) return true;
+    const DatasetSpec* spec = document_.dataset(vis.dataset);
+    content.data.push_back({item->kept, spec ? spec->color : DatasetSpec().color});
+    return false;
+  });
+  if (!content.data.empty()) content.visualization = std::move(visualization);
+  if (content.data.empty() && content.text.empty()) content.text = "it shows none of what is there";
+  return content;
+}
+
+// Data.
+
+// It and those that observe data need no lock.
+void Graph::post(std::function<void()> task) {
+  {
+    const std::lock_guard lock(tasksMutex_);
+    tasks_++;
+  }
+  services_.serverRank.transport.postWaiting([self = shared_from_this(), task = std::move(task)] {
+    try {
+      task();
+    } catch (const std::exception&) {
+      // Ranks do not answer any more, and there is nobody to be told.
+    }
+    const std::lock_guard lock(self->tasksMutex_);
+    self->tasks_--;
+    self->tasksEnded_.notify_all();
+  });
+}
+
+void Graph::onData() {
+  {
+    const std::lock_guard lock(tasksMutex_);
+    if (takesNoTasks_ || std::exchange(lookIsPosted_, true)) return;
+  }
+  post([this] {
+    const std::lock_guard lock(mutex_);
+    {
+      const std::lock_guard tasks(tasksMutex_);
+      lookIsPosted_ = false;
+    }
+    if (isEnded_) return;
+    lookAtData();
+    act();
+  });
+}
+
+bool Graph::isLookPosted() const {
+  const std::lock_guard lock(tasksMutex_);
+  return lookIsPosted_;
+}
+
+// Sees all live sources at one moment, so what was published together comes together.
+void Graph::lookAtData() {
+  Datasets& datasets = *services_.serverRank.datasets;
+  std::vector<std::string> live;
+  for (const DatasetSpec& d : document_.flow.datasets)
+    if (d.isLive()) live.push_back(d.name);
+  for (;;) {
+    std::vector<std::string> names;
+    for (const std::string& name : live)
+      if (datasets.find(tenant_, name)) names.push_back(name);
+    std::vector<flow::Flow::Update> updates;
+    try {
+      for (const auto& [d, pin] : datasets.getPinned(tenant_, names)) {
+        const auto dataset = pin.get<Dataset>();
+        updates.push_back({d.name, {{d.key, d.generation}, typeOf(*dataset), dataset->origins}});
+      }
+    } catch (const Error&) {
+      continue;  // dropped in between
+    }
+    const std::set<std::string> there(names.begin(), names.end());
+    for (const std::string& name : there_)
+      if (!there.contains(name)) flow_.dropped(name);
+    there_ = there;
+    flow_.update(updates);
+    return;
+  }
+}
+
+void Graph::onWanted(const flow::SourceGeneration& generation) {
+  postUnlessEnding([this, generation] {
+    const std::lock_guard lock(mutex_);
+    const bool isHeld = std::any_of(heldIds_.begin(), heldIds_.end(),
+                                    [&](const auto& item) { return item.second == generation; });
+    if (isEnded_ || !isHeld || !wanted_.insert(generation).second) return;
+    flow_.wanted(generation);
+    act();
+    services_.wake();
+  });
+}
+
+// Rank 0's pin keeps nothing on the other ranks then, so what is pinned is lost. What has been adopted is not.
+void Graph::onDropped(Key object) {
+  postUnlessEnding([this, object] {
+    const std::lock_guard lock(mutex_);
+    std::vector<flow::SourceGeneration> lost;
+    for (auto it = heldIds_.begin(); it != heldIds_.end();) {
+      const auto held = it++;
+      if (held->second.object != object || holds_.at(held->first)->isOwned()) continue;
+      lost.push_back(held->second);
+      wanted_.erase(held->second);
+      holds_.erase(held->first);
+      heldIds_.erase(held);
+    }
+    if (isEnded_) return;
+    for (const flow::SourceGeneration& generation : lost) flow_.lost(generation);
+    if (!lost.empty()) act();
+  });
+}
+
+void Graph::postUnlessEnding(std::function<void()> task) {
+  {
+    const std::lock_guard lock(tasksMutex_);
+    if (takesNoTasks_) return;
+  }
+  post(std::move(task));
+}
+
+// Sources of data that come by themselves make what somebody waits for.
+void Graph::wantNews() {
+  std::vector<std::string> names;
+  for (const flow::Target& target : flow_.document().targets()) {
+    const bool isShown = target.id.kind == flow::TargetId::Kind::View && windows_.contains(target.id.name);
+    if (!isShown || !target.follow || flow_.isPaused()) continue;
+    for (size_t source : target.sources)
+      if (const DatasetSpec& spec = flow_.document().nodes()[source].spec; spec.isLive())
+        names.push_back(spec.name);
+  }
+  auto wish = names.empty() ? nullptr : services_.serverRank.datasets->want(tenant_, names);
+  wish_ = std::move(wish);
+}
+
+// Its end.
+
+void Graph::end() {
+  const std::lock_guard editing(editing_);
+  {
+    const std::lock_guard lock(mutex_);
+    if (isEnded_) return;
+    isEnded_ = true;
+    wish_ = nullptr;
+    for (const auto& [number, running] : running_) stop(*running);
+    for (const auto& [source, fetched] : fetched_) stop(*fetched.running);
+    viewsChanged();
+    send({{"event", "graph"}, {"graph", name_}, {"revision", revision_}, {"dropped", true}});
+    watchers_.clear();
+    changed_.notify_all();
+  }
+  {
+    std::unique_lock lock(tasksMutex_);
+    takesNoTasks_ = true;
+    tasksEnded_.wait(lock, [this] { return tasks_ == 0; });
+  }
+  release();
+}
+
+// Nothing runs any more.
+void Graph::release() {
+  Datasets& datasets = *services_.serverRank.datasets;
+  std::map<std::string, std::pair<flow::NodeKey, Key>> named;
+  std::map<std::string, Fetched> fetched;
+  std::map<flow::NodeKey, std::shared_ptr<const GraphOutput>> outputs;
+  {
+    const std::lock_guard lock(mutex_);
+    named.swap(named_);
+    fetched.swap(fetched_);
+    outputs.swap(outputs_);
+    shown_.clear();
+    holds_.clear();
+    documentMemory_ = {};
+  }
+  for (const auto& [node, output] : named) datasets.unnameOfGraph(tenant_, name_ + "/" + node, output.second);
+  for (const auto& [source, what] : fetched) datasets.dropOfGraph(tenant_, name_ + "/" + source);
+  for (auto& [key, output] : outputs)
+    if (output.use_count() == 1 && output->object && output->object.use_count() == 1) output->object->drop();
+}
+
+}  // namespace gxy

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// One graph of a tenant: its document, its evaluation, and who watches. Rank 0.
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/flow/flow.h"
+#include "multiserver/graph/graph_document.h"
+#include "multiserver/graph/graph_services.h"
+#include "multiserver/rendering/scene_cache.h"
+#include "multiserver/server/filter_runs.h"
+#include "multiserver/server/outbox.h"
+
+namespace gxy {
+
+/// What a window on a view shows.
+struct ViewContent {
+  uint64_t serial = 0;                         ///< ascends with every change
+  uint64_t revision = 0;                       ///< of the document
+  std::optional<Visualization> visualization;  ///< of the operators whose data are there; none: see `text`
+  SceneCache::GivenData data;                  ///< of these operators
+  RenderSettings settings;
+  std::optional<Camera> camera;
+  std::optional<glm::ivec2> size;
+  std::string text;  ///< why nothing can be rendered
+};
+
+/// The host of a flow::Flow (core/flow/flow.h): it carries out what the Flow asks for, with the ranks, and tells it what happens. Thread
+/// safe. Functions throw Error for what users say, and after end().
+class Graph : public std::enable_shared_from_this<Graph> {
+ public:
+  /// `services` must outlive it.
+  Graph(GraphServices& services, std::string tenant, std::string name);
+  ~Graph();
+  Graph(const Graph&) = delete;
+  Graph& operator=(const Graph&) = delete;
+
+  const std::string& tenant() const { return tenant_; }
+  const std::string& name() const { return name_; }
+
+  /// Who makes an edit, or watches.
+  struct Client {
+    uint64_t session = 0;
+    std::string name;
+    nlohmann::json json() const { return {{"session", session}, {"client", name}}; }
+  };
+  /// Replaces the document. Returns warnings.
+  std::vector<std::string> setDocument(const nlohmann::json& document, const StateReader& readState);
+  /// Applies edits (document_edits.h), all or none. Returns `revision`, `inverse` and `warnings`.
+  nlohmann::json edit(const nlohmann::json& edits, bool live, const Client& by, const StateReader& readState);
+  /// Returns `document`, `revision`, `paused` and `nodes`.
+  nlohmann::json describe() const;
+  /// Returns `graph`, `revision`, `nodes` (their number), `clients` and `paused`.
+  nlohmann::json summary() const;
+
+  /// Tells this session of edits and states from now on.
+  void watch(const Client& client, const std::shared_ptr<Outbox>& outbox);
+  void unwatch(uint64_t session);
+
+  void run(const std::optional<std::string>& node);
+  void cancel(const std::optional<std::string>& node);
+  void pause();
+  void resume();
+  /// Waits until nothing runs and no wave is under way. `check` is called about every 50 ms, and may throw. Returns false if it takes
+  /// longer than this.
+  bool waitUntilIdle(std::chrono::duration<double> patience, const std::function<void()>& check);
+
+  /// A window shows a view from now on; `changed` is called on a thread that may wait, when content() may be another. Returns its number.
+  uint64_t show(const std::string& view, std::function<void()> changed);
+  void hide(const std::string& view, uint64_t window);
+  ViewContent content(const std::string& view) const;
+
+  /// Data of this name may be others.
+  void onData();
+  void onWanted(const flow::SourceGeneration& generation);
+  /// There is no such object any more.
+  void onDropped(Key object);
+  /// Returns whether it is to be called again.
+  bool tick();
+
+  /// Ends all that runs, waits for it, and gives up all that it holds.
+  void end();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Running {
+    explicit Running(std::string n) : node(std::move(n)) {}
+    const std::string node;
+    std::atomic<bool> isCancelled = false;
+    std::atomic<uint64_t> exchange = 0;
+  };
+  struct ShownItem {
+    std::string node;
+    flow::DataId data;
+    std::shared_ptr<const KeptData> kept;
+  };
+  struct Shown {
+    std::vector<ShownItem> items;
+    std::string text;  ///< why there is nothing, or the picture is held
+    bool isHeld = false;
+  };
+  struct Fetched {
+    DatasetSpec spec;
+    bool isUnderWay = true;
+    std::shared_ptr<Running> running;
+  };
+  struct Watcher {
+    Client client;
+    std::shared_ptr<Outbox> outbox;
+  };
+  struct Told {
+    Clock::time_point at{};
+    nlohmann::json state;
+    bool isDue = false;
+  };
+
+  // graph.cpp: what it is told
+  void checkNotEnded() const;
+  LedgerEntry roomFor(const GraphDocument& document);
+  StateReader withRoom(const StateReader& readState);
+  void commit(GraphDocument document, LedgerEntry memory, bool live, const nlohmann::json& event);
+  void dropWhatTheDocumentHasNot();
+  void lookAtData();
+  void wantNews();
+  void post(std::function<void()> task);
+  bool isLookPosted() const;
+  void postUnlessEnding(std::function<void()> task);
+  void viewsChanged();
+  void release();
+
+  // graph_actions.cpp: what the Flow asks for
+  void act();
+  void carryOut(const flow::PinGeneration& action);
+  void carryOut(const flow::AdoptGeneration& action);
+  void carryOut(const flow::ReleaseGeneration& action);
+  void carryOut(const flow::FetchSource& action);
+  void carryOut(const flow::StartEvaluation& action);
+  void carryOut(const flow::CancelEvaluation& action);
+  void carryOut(const flow::DropOutput& action);
+  void carryOut(const flow::ShowData& action);
+  void carryOut(const flow::HoldPicture& action);
+  void carryOut(const flow::ChangeState& action);
+  void adopt(uint64_t hold, const std::shared_ptr<KeptData>& kept);
+  void fetch(const DatasetSpec& spec, const std::shared_ptr<Running>& running);
+  void evaluate(const flow::StartEvaluation& action, const std::shared_ptr<Running>& running);
+  bool giveUpOldest();
+  void giveName(const std::string& node, const flow::NodeKey& key);
+  std::vector<FilterRuns::Evaluation::Source> sourcesOf(const flow::StartEvaluation& action) const;
+  Asker askerFor(uint64_t evaluation, const std::shared_ptr<Running>& running);
+  std::shared_ptr<KeptData> keptSource(const flow::SourceGeneration& id) const;
+  void stop(Running& running);
+
+  // graph_events.cpp: what it tells
+  nlohmann::json nodesJson() const;
+  nlohmann::json stateJson(const flow::NodeId& node) const;
+  void tellNode(const flow::NodeId& node);
+  void send(const nlohmann::json& event);
+  void sendPresent();
+
+  GraphServices& services_;
+  const std::string tenant_, name_;
+
+  std::mutex editing_;  ///< held while a document is read and committed; before mutex_
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  flow::Flow flow_;
+  GraphDocument document_;
+  LedgerEntry documentMemory_;
+  uint64_t revision_ = 0;
+  bool isEnded_ = false;
+
+  // Observers of data call the graph while others, also other graphs, hold their locks. So they take only this lock, after mutex_.
+  mutable std::mutex tasksMutex_;
+  std::condition_variable tasksEnded_;
+  size_t tasks_ = 0;  ///< posted ones that have not ended
+  bool lookIsPosted_ = false, takesNoTasks_ = false;
+
+  std::set<std::string> there_;  ///< live sources of which there are data
+  std::map<uint64_t, std::shared_ptr<KeptData>> holds_;
+  std::map<uint64_t, flow::SourceGeneration> heldIds_;
+  std::set<flow::SourceGeneration> wanted_;  ///< by publishers, of what is pinned
+  std::map<flow::NodeKey, std::shared_ptr<const GraphOutput>> outputs_;
+  std::map<std::string, std::pair<flow::NodeKey, Key>> named_;  ///< the outputs that have names, by node
+  std::map<std::string, Generation> generations_;               ///< that were made, by node
+  std::map<uint64_t, std::shared_ptr<Running>> running_;        ///< evaluations
+  std::map<std::string, Fetched> fetched_;                      ///< by source
+  std::shared_ptr<void> wish_;                                  ///< for newer data
+
+  uint64_t serial_ = 0, nextWindow_ = 1;
+  std::map<std::string, std::map<uint64_t, std::function<void()>>> windows_;  ///< by view
+  std::map<std::string, Shown> shown_;                                        ///< by view
+  std::map<uint64_t, Watcher> watchers_;                                      ///< by session
+  std::map<flow::NodeId, Told> told_;
+};
+
+}  // namespace gxy

@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a graph's Flow asks for, carried out with the ranks.
+#include <algorithm>
+#include <cstdio>
+
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/scene/dataset_type.h"
+#include "multiserver/graph/graph.h"
+
+namespace gxy {
+
+using nlohmann::json;
+
+namespace {
+
+/// Why something failed, and on which rank, as messages of several ranks begin with it.
+struct Failure {
+  std::string text;
+  int rank = -1;
+};
+
+Failure failureOf(const std::string& text) {
+  int rank = 0, size = 0;
+  if (std::sscanf(text.c_str(), "rank %d: %n", &rank, &size) == 1 && size > 0)
+    return {text.substr(size_t(size)), rank};
+  return {text};
+}
+
+}  // namespace
+
+// Functions here are called with the lock held, but for adopt(), fetch(), evaluate() and giveUpOldest(), which wait.
+
+void Graph::act() {
+  for (std::vector<flow::Action> actions = flow_.take(); !actions.empty(); actions = flow_.take())
+    for (const flow::Action& action : actions) std::visit([this](const auto& a) { carryOut(a); }, action);
+  changed_.notify_all();
+}
+
+void Graph::carryOut(const flow::PinGeneration& action) {
+  const auto& [object, generation] = action.data;
+  try {
+    Pin pin = services_.serverRank.objects.pin(object, generation);
+    const auto dataset = pin.get<Dataset>();
+    NamedDataset shown{object,  action.source, Scope::Private, nameOf(typeOf(*dataset)),
+                       tenant_, false,         generation};
+    if (const auto found = services_.serverRank.datasets->find(tenant_, action.source))
+      shown.owner = found->owner;
+    holds_[action.hold] = std::make_shared<KeptData>(std::move(shown), std::move(pin));
+    heldIds_[action.hold] = action.data;
+  } catch (const Error&) {
+    flow_.lost(action.data);
+  }
+}
+
+void Graph::carryOut(const flow::ReleaseGeneration& action) {
+  const auto found = heldIds_.find(action.hold);
+  if (found == heldIds_.end()) return;
+  wanted_.erase(found->second);
+  heldIds_.erase(found);
+  holds_.erase(action.hold);
+}
+
+void Graph::carryOut(const flow::AdoptGeneration& action) {
+  const auto found = holds_.find(action.hold);
+  if (found == holds_.end()) return;
+  post([this, hold = action.hold, kept = found->second] { adopt(hold, kept); });
+}
+
+void Graph::adopt(uint64_t hold, const std::shared_ptr<KeptData>& kept) {
+  ServerRank& serverRank = services_.serverRank;
+  std::shared_ptr<OwnedObject> object;
+  std::string refused;
+  try {
+    const auto exchange = serverRank.exchanges.begin(Asker{});
+    const Key key = serverRank.keys.next();
+    serverRank.callAll("graph.adopt", {{"exchange", *exchange},
+                                       {"key", kept->shown().key.value},
+                                       {"generation", kept->shown().generation},
+                                       {"object", key.value},
+                                       {"name", kept->shown().name},
+                                       {"tenant", tenant_},
+                                       {"purpose", "graph " + name_}});
+    object = std::make_shared<OwnedObject>(serverRank, key);
+  } catch (const std::exception& e) {
+    refused = textOf(e);
+  }
+  const std::lock_guard lock(mutex_);
+  const auto held = heldIds_.find(hold);
+  if (isEnded_ || held == heldIds_.end()) return;
+  if (object) {
+    kept->adopt(std::move(object));
+    wanted_.erase(held->second);
+    flow_.adopted(hold);
+  } else {
+    flow_.refused(hold, refused);
+  }
+  act();
+}
+
+void Graph::carryOut(const flow::FetchSource& action) {
+  const DatasetSpec* spec = document_.dataset(action.source);
+  if (!spec) return;
+  auto running = std::make_shared<Running>(action.source);
+  fetched_[action.source] = {*spec, true, running};
+  post([this, fetched = *spec, running] { fetch(fetched, running); });
+}
+
+void Graph::fetch(const DatasetSpec& spec, const std::shared_ptr<Running>& running) {
+  Datasets& datasets = *services_.serverRank.datasets;
+  Datasets::Import what;
+  what.specs = {spec};
+  what.specs[0].name = name_ + "/" + spec.name;
+  what.ofGraph = true;
+  Asker asker;
+  asker.check = [running] {
+    if (running->isCancelled) throw Error("cancelled");
+  };
+  std::optional<flow::SourceData> data;
+  std::string error;
+  try {
+    datasets.import(
+        tenant_, asker, [&](uint64_t exchange) { running->exchange = exchange; }, what);
+    const auto [d, pin] = datasets.getPinned(tenant_, what.specs[0].name);
+    const auto dataset = pin.get<Dataset>();
+    data = flow::SourceData{{d.key, d.generation}, typeOf(*dataset), dataset->origins};
+  } catch (const std::exception& e) {
+    error = textOf(e);
+  }
+  const std::lock_guard lock(mutex_);
+  const auto found = fetched_.find(spec.name);
+  if (isEnded_ || found == fetched_.end() || found->second.running != running) return;
+  found->second.isUnderWay = false;
+  const Failure failure = failureOf(error);
+  if (data)
+    flow_.update(spec.name, *data);
+  else
+    flow_.sourceFailed(spec.name, failure.text, failure.rank);
+  act();
+}
+
+void Graph::stop(Running& running) {
+  running.isCancelled = true;
+  if (const uint64_t exchange = running.exchange) services_.serverRank.exchanges.cancel(exchange);
+}
+
+void Graph::carryOut(const flow::StartEvaluation& action) {
+  if (auto output = services_.outputs.find(tenant_, action.key)) {
+    const flow::Made made = output->made;
+    outputs_[action.key] = std::move(output);
+    return flow_.finished(action.evaluation, made);
+  }
+  auto running = std::make_shared<Running>(action.node);
+  running_[action.evaluation] = running;
+  post([this, action, running] { evaluate(action, running); });
+}
+
+void Graph::carryOut(const flow::CancelEvaluation& action) {
+  if (const auto found = running_.find(action.evaluation); found != running_.end()) stop(*found->second);
+}
+
+Asker Graph::askerFor(uint64_t evaluation, const std::shared_ptr<Running>& running) {
+  Asker asker;
+  asker.check = [running] {
+    if (running->isCancelled) throw Error("cancelled");
+  };
+  struct Progress {
+    std::mutex mutex;
+    Clock::time_point at{};
+    int64_t done = 0, of = 0;
+    std::string text;
+    bool isPosted = false;
+  };
+  const auto progress = std::make_shared<Progress>();
+  // It is called with locks of others, so the graph is told by a task.
+  asker.progress = [this, evaluation, progress](int64_t done, int64_t of, const std::string& text,
+                                                bool phase) {
+    constexpr std::chrono::milliseconds kBetween{50};
+    const std::lock_guard lock(progress->mutex);
+    progress->done = done;
+    progress->of = of;
+    progress->text = text;
+    const auto now = Clock::now();
+    if (progress->isPosted || (!phase && now < progress->at + kBetween)) return;
+    progress->at = now;
+    progress->isPosted = true;
+    services_.serverRank.transport.postWaiting([self = shared_from_this(), evaluation, progress] {
+      int64_t toldDone = 0, toldOf = 0;
+      std::string told;
+      {
+        const std::lock_guard again(progress->mutex);
+        progress->isPosted = false;
+        toldDone = progress->done;
+        toldOf = progress->of;
+        told = progress->text;
+      }
+      const std::lock_guard graph(self->mutex_);
+      if (self->isEnded_) return;
+      self->flow_.progress(evaluation, double(toldDone), double(toldOf), told);
+      self->act();
+    });
+  };
+  return asker;
+}
+
+std::shared_ptr<KeptData> Graph::keptSource(const flow::SourceGeneration& id) const {
+  for (const auto& [hold, held] : heldIds_)
+    if (held == id) return holds_.at(hold);
+  return nullptr;
+}
+
+std::vector<FilterRuns::Evaluation::Source> Graph::sourcesOf(const flow::StartEvaluation& action) const {
+  std::vector<FilterRuns::Evaluation::Source> sources;
+  const std::lock_guard lock(mutex_);
+  for (const auto& input : action.inputs)
+    for (const auto& item : input.items) {
+      ObjectGeneration where;
+      if (const auto* id = std::get_if<flow::SourceGeneration>(&item.data)) {
+        const auto kept = keptSource(*id);
+        if (!kept) throw Error("dataset " + inQuotes(item.node) + ": its data are gone");
+        where = kept->where();
+      } else {
+        const auto output = outputs_.find(std::get<flow::NodeKey>(item.data));
+        if (output == outputs_.end() || !output->second->object)
+          throw Error("dataset " + inQuotes(item.node) + ": its data are gone");
+        where = {output->second->object->key(), 1};
+      }
+      sources.push_back(
+          {input.input, item.node, where, services_.serverRank.objects.pin(where.key, where.generation)});
+    }
+  return sources;
+}
+
+void Graph::evaluate(const flow::StartEvaluation& action, const std::shared_ptr<Running>& running) {
+  ServerRank& serverRank = services_.serverRank;
+  FilterRuns::Evaluation what;
+  what.tenant = tenant_;
+  what.label = "dataset " + inQuotes(name_ + "/" + action.node);
+  what.purpose = "graph " + name_ + "/" + action.node;
+  what.filter = action.filter;
+  what.properties = action.properties;
+  what.sources = [&] { return sourcesOf(action); };
+  what.begun = [&](uint64_t exchange) { running->exchange = exchange; };
+  const auto begin = Clock::now();
+  std::optional<FilterRuns::Evaluated> made;
+  std::string error;
+  for (bool again = true; again;) {
+    again = false;
+    try {
+      made = serverRank.filterRuns->evaluate(askerFor(action.evaluation, running), what);
+    } catch (const NoRoom& e) {
+      error = e.what();
+      again = !running->isCancelled && giveUpOldest();
+    } catch (const std::exception& e) {
+      error = textOf(e);
+    }
+  }
+  std::shared_ptr<GraphOutput> output;
+  if (made) {
+    output = std::make_shared<GraphOutput>();
+    output->type = made->type;
+    output->told = std::move(made->told);
+    output->made.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    output->made.bytes = made->bytes;
+    if (made->key.valid()) output->object = std::make_shared<OwnedObject>(serverRank, made->key);
+  }
+  const std::lock_guard lock(mutex_);
+  running_.erase(action.evaluation);
+  if (isEnded_) return;
+  if (output) {
+    output->made.generation = ++generations_[action.node];
+    services_.outputs.add(tenant_, action.key, output);
+    outputs_[action.key] = output;
+    if (!running->isCancelled) giveName(action.node, action.key);
+    flow_.finished(action.evaluation, output->made);
+  } else if (running->isCancelled) {
+    flow_.cancelled(action.evaluation);
+  } else {
+    const Failure failure = failureOf(error);
+    flow_.failed(action.evaluation, failure.text, failure.rank);
+  }
+  act();
+}
+
+// Gives up the output that was used longest ago, of those that nobody needs. Without the lock.
+bool Graph::giveUpOldest() {
+  std::vector<std::shared_ptr<const GraphOutput>> before, after;
+  {
+    const std::lock_guard lock(mutex_);
+    if (isEnded_) return false;
+    for (const auto& [key, output] : outputs_) before.push_back(output);
+    if (!flow_.makeRoom()) return false;
+    act();
+    for (const auto& [key, output] : outputs_) after.push_back(output);
+  }
+  for (const auto& output : before) {
+    const bool isGone = std::find(after.begin(), after.end(), output) == after.end();
+    if (isGone && output->object && output.use_count() == 1 && output->object.use_count() == 1)
+      output->object->drop();
+  }
+  return true;
+}
+
+void Graph::carryOut(const flow::DropOutput& action) {
+  for (auto it = named_.begin(); it != named_.end();) {
+    if (it->second.first != action.key) {
+      ++it;
+      continue;
+    }
+    services_.serverRank.datasets->unnameOfGraph(tenant_, name_ + "/" + it->first, it->second.second);
+    it = named_.erase(it);
+  }
+  outputs_.erase(action.key);
+}
+
+void Graph::carryOut(const flow::ShowData& action) {
+  if (action.target.kind != flow::TargetId::Kind::View) return;
+  Shown& shown = shown_[action.target.name];
+  std::vector<ShownItem> items;
+  for (const flow::ShownData& data : action.data) {
+    const auto known = std::find_if(shown.items.begin(), shown.items.end(), [&](const ShownItem& item) {
+      return item.node == data.node && item.data == data.data;
+    });
+    std::shared_ptr<const KeptData> kept;
+    if (const auto* id = std::get_if<flow::SourceGeneration>(&data.data)) {
+      kept = keptSource(*id);
+    } else if (known != shown.items.end()) {
+      kept = known->kept;
+    } else if (const auto found = outputs_.find(std::get<flow::NodeKey>(data.data));
+               found != outputs_.end() && found->second->object) {
+      const GraphOutput& output = *found->second;
+      kept = std::make_shared<KeptData>(
+          NamedDataset{output.object->key(), data.node, Scope::Private, nameOf(output.type), tenant_, false,
+                       output.made.generation},
+          output.object);
+    }
+    if (kept) items.push_back({data.node, data.data, std::move(kept)});
+  }
+  shown.items = std::move(items);
+  shown.isHeld = false;
+  shown.text.clear();
+  for (const flow::Problem& problem : action.problems)
+    if (shown.text.empty()) shown.text = inQuotes(problem.node) + ": " + problem.text;
+  viewsChanged();
+}
+
+void Graph::carryOut(const flow::HoldPicture& action) {
+  if (action.target.kind != flow::TargetId::Kind::View) return;
+  Shown& shown = shown_[action.target.name];
+  shown.items.clear();
+  shown.isHeld = true;
+  shown.text = "held picture: " + action.text;
+  viewsChanged();
+}
+
+// The name GRAPH/NODE means what the node was made last, or what it has found again.
+void Graph::giveName(const std::string& node, const flow::NodeKey& key) {
+  const auto output = outputs_.find(key);
+  if (output == outputs_.end() || !output->second->object || !document_.dataset(node)) return;
+  const Key object = output->second->object->key();
+  services_.serverRank.datasets->nameOfGraph(tenant_, name_ + "/" + node, object, output->second->type);
+  named_[node] = {key, object};
+}
+
+void Graph::carryOut(const flow::ChangeState& action) {
+  if (action.node.kind == flow::NodeId::Kind::Dataset && action.state.output)
+    giveName(action.node.name, *action.state.output);
+  tellNode(action.node);
+}
+
+}  // namespace gxy

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// What clients are told of a graph.
+#include "core/comm/error_text.h"
+#include "multiserver/graph/graph.h"
+
+namespace gxy {
+
+using flow::NodeId;
+using flow::NodeState;
+using nlohmann::json;
+
+namespace {
+
+constexpr std::chrono::milliseconds kBetweenEvents{100};  // of one node
+
+const char* nameOf(NodeState::Kind kind) {
+  constexpr const char* names[] = {"incomplete", "blocked", "waiting", "queued",
+                                   "running",    "done",    "stale",   "failed"};
+  return names[size_t(kind)];
+}
+
+const char* nameOf(NodeId::Kind kind) {
+  constexpr const char* names[] = {"dataset", "view", "output"};
+  return names[size_t(kind)];
+}
+
+json jsonOf(const NodeState& state) {
+  json out{{"state", nameOf(state.kind)}};
+  if (!state.text.empty()) out["text"] = state.text;
+  if (!state.by.empty()) out["by"] = state.by;
+  if (state.rank >= 0) out["rank"] = state.rank;
+  if (state.kind == NodeState::Kind::Running && state.of > 0)
+    out.update({{"done", state.done}, {"of", state.of}});
+  if (state.kind == NodeState::Kind::Done && state.generation > 0) {
+    out["generation"] = state.generation;
+    if (state.output) out.update({{"seconds", state.seconds}, {"bytes", state.bytes}});
+  }
+  if (state.leftOut > 0) out["left out"] = state.leftOut;
+  if (state.showsOlder) out["shows older"] = true;
+  return out;
+}
+
+}  // namespace
+
+json Graph::stateJson(const NodeId& node) const {
+  const NodeState state = flow_.state(node);
+  json out = jsonOf(state);
+  out.update({{"node", node.name}, {"kind", nameOf(node.kind)}});
+  if (state.output)
+    if (const auto found = outputs_.find(*state.output);
+        found != outputs_.end() && !found->second->told.empty())
+      out["told"] = found->second->told;
+  if (node.kind != NodeId::Kind::View) return out;
+  const auto look = document_.looks.find(node.name);
+  if (look != document_.looks.end() && !look->second.missing.empty())
+    out.update({{"state", "incomplete"}, {"text", look->second.missing}});
+  return out;
+}
+
+json Graph::nodesJson() const {
+  json nodes = json::array();
+  for (const DatasetSpec& d : document_.flow.datasets)
+    nodes.push_back(stateJson({NodeId::Kind::Dataset, d.name}));
+  for (const flow::ViewSpec& v : document_.flow.views)
+    nodes.push_back(stateJson({NodeId::Kind::View, v.name}));
+  for (const auto& [name, type] : document_.outputs)
+    nodes.push_back({{"node", name},
+                     {"kind", "output"},
+                     {"state", "blocked"},
+                     {"by", name},
+                     {"text", "this server makes nothing of outputs of type " + inQuotes(type)}});
+  return nodes;
+}
+
+void Graph::tellNode(const NodeId& node) {
+  Told& told = told_[node];
+  const auto now = Clock::now();
+  told.isDue = now < told.at + kBetweenEvents;
+  if (told.isDue) return services_.wake();
+  json state = stateJson(node);
+  if (state == told.state) return;
+  told.at = now;
+  told.state = state;
+  state.update({{"event", "node"}, {"graph", name_}});
+  send(state);
+}
+
+void Graph::send(const json& event) {
+  for (const auto& [session, watcher] : watchers_) watcher.outbox->event(event);
+}
+
+void Graph::sendPresent() {
+  json clients = json::array();
+  for (const auto& [session, watcher] : watchers_) clients.push_back(watcher.client.json());
+  send({{"event", "present"}, {"graph", name_}, {"clients", clients}});
+}
+
+bool Graph::tick() {
+  const std::lock_guard lock(mutex_);
+  if (isEnded_) return false;
+  bool again = false;
+  if (!wanted_.empty()) {
+    flow_.tick();
+    act();
+    again = true;
+  }
+  std::vector<NodeId> due;
+  for (const auto& [node, told] : told_)
+    if (told.isDue) due.push_back(node);
+  for (const NodeId& node : due) {
+    tellNode(node);
+    again = again || told_[node].isDue;
+  }
+  return again;
+}
+
+}  // namespace gxy

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+// Module `graph`: documents that the server keeps evaluated (docs/graph.md).
+#include <set>
+
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "multiserver/graph/document_edits.h"
+#include "multiserver/graph/graphs.h"
+
+namespace gxy::graph {
+namespace {
+
+using nlohmann::json;
+using protocol::Arguments;
+
+Graph::Client clientOf(const Session& session) {
+  return {session.identity().number, session.identity().client};
+}
+
+StateReader readerOf(Request& request) {
+  return stateReaderOf(request.session().serverRank(), request.session().tenant());
+}
+
+std::string warningsText(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& w : warnings) text += "\nwarning: " + w;
+  return text;
+}
+
+std::string nodeText(const json& node) {
+  std::string text = node.at("kind").get<std::string>() + " " + node.at("node").get<std::string>() + ": " +
+                     node.at("state").get<std::string>();
+  if (node.contains("done")) text += " " + node["done"].dump() + " of " + node["of"].dump();
+  if (node.contains("generation")) text += ", generation " + node["generation"].dump();
+  if (node.contains("by")) text += " by " + node["by"].get<std::string>();
+  if (node.contains("text")) text += ", " + node["text"].get<std::string>();
+  return text;
+}
+
+json list(Graphs& graphs, Request& request, Arguments arguments) {
+  arguments.expectEnd();
+  json all = json::array();
+  std::string text = "graphs:";
+  for (const auto& graph : graphs.list(request.session().tenant())) {
+    all.push_back(graph->summary());
+    const json& g = all.back();
+    text += "\n" + graph->name() + ": revision " + g["revision"].dump() + ", " + g["nodes"].dump() +
+            " nodes" + (g["paused"].get<bool>() ? ", paused" : "");
+  }
+  return {{"graphs", all}, {"text", text}};
+}
+
+json make(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  const auto text = arguments.json();
+  DocumentReader reader(request);
+  const json document = text ? reader.object(*text, "new") : json::object();
+  const auto [graph, warnings] = graphs.make(request.session().tenant(), name, document, readerOf(request));
+  const json revision = graph->summary().at("revision");
+  return {{"graph", name},
+          {"revision", revision},
+          {"warnings", warnings},
+          {"text", "revision " + revision.dump() + warningsText(warnings)}};
+}
+
+json get(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  arguments.expectEnd();
+  json result = graphs.get(request.session().tenant(), name)->describe();
+  std::string text =
+      "revision " + result["revision"].dump() + (result["paused"].get<bool>() ? ", paused" : "");
+  for (const json& node : result["nodes"]) text += "\n" + nodeText(node);
+  result["text"] = text;
+  return result;
+}
+
+json edit(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  const auto graph = graphs.get(request.session().tenant(), name);
+  DocumentReader reader(request);
+  const json what = reader.object(arguments.expectJson(), "edit");
+  for (const auto& [key, value] : what.items())
+    if (key != "edits" && key != "live")
+      throw Error("edit: unknown key " + inQuotes(key, '`') + ", expected `edits` and `live`");
+  const json live = what.value("live", json(false));
+  if (!live.is_boolean()) throw Error("edit: `live`: expected true or false, found " + inQuotes(live.dump()));
+  json result = graph->edit(what.value("edits", json()), live.get<bool>(), clientOf(request.session()),
+                            readerOf(request));
+  result["text"] = "revision " + result["revision"].dump() +
+                   warningsText(result["warnings"].get<std::vector<std::string>>());
+  return result;
+}
+
+/// The graphs that a session watches. Its end ends that.
+struct Watched {
+  explicit Watched(uint64_t number) : session(number) {}
+  ~Watched() {
+    for (const auto& [name, graph] : graphs) graph->unwatch(session);
+  }
+  const uint64_t session;
+  std::mutex mutex;
+  std::map<std::string, std::shared_ptr<Graph>> graphs;
+};
+
+std::shared_ptr<Watched> watchedBy(Session& session) {
+  return session.state<Watched>([&] { return std::make_shared<Watched>(session.identity().number); });
+}
+
+json watch(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  arguments.expectEnd();
+  Session& session = request.session();
+  const auto graph = graphs.get(session.tenant(), name);
+  const auto watched = watchedBy(session);
+  const std::lock_guard lock(watched->mutex);
+  graph->watch(clientOf(session), session.sharedOutbox());
+  watched->graphs[name] = graph;
+  return {{"revision", graph->summary().at("revision")}, {"text", ""}};
+}
+
+json unwatch(Graphs&, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  arguments.expectEnd();
+  const auto watched = watchedBy(request.session());
+  const std::lock_guard lock(watched->mutex);
+  const auto found = watched->graphs.find(name);
+  if (found == watched->graphs.end()) return nullptr;
+  found->second->unwatch(watched->session);
+  watched->graphs.erase(found);
+  return nullptr;
+}
+
+json run(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  const auto node = arguments.word();
+  arguments.expectEnd();
+  graphs.get(request.session().tenant(), name)->run(node);
+  return nullptr;
+}
+
+json cancel(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  const auto node = arguments.word();
+  arguments.expectEnd();
+  graphs.get(request.session().tenant(), name)->cancel(node);
+  return nullptr;
+}
+
+json pause(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  arguments.expectEnd();
+  graphs.get(request.session().tenant(), name)->pause();
+  return nullptr;
+}
+
+json resume(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  arguments.expectEnd();
+  graphs.get(request.session().tenant(), name)->resume();
+  return nullptr;
+}
+
+json wait(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  const auto seconds = arguments.number();
+  arguments.expectEnd();
+  if (seconds && (*seconds < 0 || *seconds > 1e7)) arguments.fail("seconds are 0 to 10^7");
+  const auto graph = graphs.get(request.session().tenant(), name);
+  if (!graph->waitUntilIdle(std::chrono::duration<double>(seconds.value_or(60)), [&] { request.check(); }))
+    throw Error("wait: graph " + inQuotes(name) + " is still being evaluated");
+  return get(graphs, request, Arguments(protocol::asWord(name), "get NAME"));
+}
+
+json check(Graphs& graphs, Request& request, Arguments arguments) {
+  (void)graphs;
+  DocumentReader reader(request);
+  const json document = reader.object(arguments.expectJson(), "check");
+  std::vector<DocumentProblem> problems;
+  const Filters& filters = request.session().serverRank().filters;
+  const GraphDocument read = readGraphDocument("graph", document, filters, readerOf(request), &problems);
+  if (problems.empty()) try {
+      const flow::CompiledDocument compiled(read.flow, filters);
+    } catch (const Error& e) {
+      problems.push_back(problemOf(e.what()));
+    }
+  json errors = json::array();
+  std::string text = problems.empty() ? "nothing is wrong" : "";
+  for (const DocumentProblem& p : problems) {
+    errors.push_back({{"path", p.path}, {"text", p.text}});
+    text += (text.empty() ? "" : "\n") + p.path + ": " + p.text;
+  }
+  return {{"errors", errors}, {"warnings", read.warnings}, {"text", text + warningsText(read.warnings)}};
+}
+
+json types(Graphs&, Request& request, Arguments arguments) {
+  arguments.expectEnd();
+  const Filters& known = request.session().serverRank().filters;
+  json all = json::array();
+  std::string text = "filters:";
+  for (const std::string& name : known.names()) {
+    all.push_back(describedFilter(*known.find(name)));
+    text += "\n" + name + ": " + known.find(name)->help;
+  }
+  return {{"filters", all}, {"text", text}};
+}
+
+json drop(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  arguments.expectEnd();
+  graphs.drop(request.session().tenant(), name);
+  return nullptr;
+}
+
+}  // namespace
+}  // namespace gxy::graph
+
+GALAXY_MODULE(registration) {
+  using namespace gxy;
+  const auto graphs = graphsOf(registration);
+  registration.keep(graphs);
+  using Action = nlohmann::json (*)(Graphs&, Request&, protocol::Arguments);
+  const auto add = [&](std::string name, std::string arguments, std::string help, Order order,
+                       Action action) {
+    Verb verb{std::move(name), std::move(arguments), std::move(help), order, {}};
+    verb.action = [usage = verb.name + (verb.arguments.empty() ? "" : " " + verb.arguments), &g = *graphs,
+                   action](Request& request) {
+      return action(g, request, protocol::Arguments(request.arguments(), usage));
+    };
+    registration.verb(std::move(verb));
+  };
+  add("list", "", "Names the graphs.", Order::InTurn, graph::list);
+  add("new", "NAME [JSON]", "Makes a graph, of a document or empty.", Order::InTurn, graph::make);
+  add("get", "NAME", "The document of a graph, and the states of its nodes.", Order::InTurn, graph::get);
+  add("edit", "NAME {\"edits\": [...]}", "Changes the document, all or nothing.", Order::InTurn, graph::edit);
+  add("watch", "NAME", "Events of a graph: edits, states, who watches.", Order::InTurn, graph::watch);
+  add("unwatch", "NAME", "No more of these events.", Order::InTurn, graph::unwatch);
+  add("run", "NAME [NODE]", "Evaluates all nodes, or one with what it needs.", Order::InTurn, graph::run);
+  add("pause", "NAME", "Evaluates nothing more by itself.", Order::InTurn, graph::pause);
+  add("resume", "NAME", "Evaluates by itself again.", Order::InTurn, graph::resume);
+  add("cancel", "NAME [NODE]", "Ends what is being evaluated.", Order::InTurn, graph::cancel);
+  add("wait", "NAME [SECONDS]", "Until nothing is being evaluated.", Order::Aside, graph::wait);
+  add("check", "JSON", "What is wrong with a document.", Order::InTurn, graph::check);
+  add("types", "", "What filters there are, with their inputs and properties.", Order::InTurn, graph::types);
+  add("drop", "NAME", "Ends a graph, and forgets what it has made.", Order::Aside, graph::drop);
+}

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// Module graph: documents, their evaluation on the ranks, and what clients are told.
+#include "tests/multiserver/graph_client.h"
+
+namespace gxy::test {
+namespace {
+
+using nlohmann::json;
+
+const json kTwelve = madeBy("Seeds", "seeds", {{"domain", "ball"}}, {{"shape", "line"}, {"count", 12}});
+
+// A session of text verbs alone, as msclient says them.
+TEST(Graph, RunsWhatItsDocumentSaysOnAnyNumberOfRanks) {
+  for (const int ranks : {1, 3}) {
+    const auto server = serveGraphs(ranks);
+    GraphClient c(*server);
+    c.say(importBall("ball"));
+    const int64_t before = server->serverRank(0).ledger.total("user");
+    EXPECT_EQ(c.say(newGraph({liveVolume("ball"), kTwelve})).at("revision"), 1);
+    EXPECT_EQ(c.state("ball"), "done");
+    EXPECT_EQ(c.state("seeds"), "waiting") << "nothing needs it";
+    c.say("graph.run g");
+    c.say("graph.wait g");
+    const json seeds = c.node("seeds");
+    EXPECT_EQ(seeds.at("state"), "done") << seeds;
+    EXPECT_EQ(seeds.at("generation"), 1);
+    EXPECT_GT(seeds.at("bytes"), 0);
+    EXPECT_EQ(c.say("data.list").at("datasets").size(), 1u) << "without what graphs have made";
+    EXPECT_EQ(c.say("data.list all").at("datasets").size(), 2u);
+    const json info = c.say("info g/seeds").at("datasets").at(0);
+    EXPECT_EQ(info.at("type"), "Particles");
+    EXPECT_EQ(info.at("primitives"), 12);
+    EXPECT_EQ(info.at("provenance").at("filter"), "Seeds");
+    EXPECT_TRUE(c.hasMemory(0, "graph g/seeds"));
+    for (const char* refused : {"drop g/seeds", "rename g/seeds x", "publish g/seeds"})
+      EXPECT_NE(c.error(refused).find("is a node of a graph"), std::string::npos) << refused;
+    EXPECT_EQ(c.say("graph.list").at("graphs").at(0).at("nodes"), 2);
+    c.say("graph.drop g");
+    EXPECT_EQ(c.say("data.list all").at("datasets").size(), 1u);
+    EXPECT_NE(c.error("graph.get g").find("there is none"), std::string::npos);
+    EXPECT_EQ(server->serverRank(0).ledger.total("user"), before);
+  }
+}
+
+TEST(Graph, NumbersOfAFilterAreToldWithItsState) {
+  const auto server = serveGraphs(2);
+  GraphClient c(*server);
+  c.say(importBall("ball"));
+  c.say(newGraph({liveVolume("ball"), madeBy("Statistics", "numbers", {{"field", "ball"}})}));
+  c.say("graph.run g numbers");
+  c.say("graph.wait g");
+  EXPECT_EQ(c.node("numbers").at("told").at("count"), 16 * 16 * 16) << c.node("numbers");
+}
+
+TEST(Graph, FilesAreReadWhenTheyAreNeeded) {
+  const auto server = serveGraphs(2);
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  GraphClient c(*server);
+  c.say(newGraph({{{"name", "file"}, {"type", "Volume"}, {"filename", "ball.vol"}},
+                  {{"name", "missing"}, {"type", "Volume"}, {"filename", "none.vol"}},
+                  madeBy("Statistics", "numbers", {{"field", "file"}}),
+                  madeBy("Held", "copy", {{"field", "missing"}})}));
+  EXPECT_EQ(c.say("data.list all").at("datasets").size(), 0u);
+  c.say("graph.run g numbers");
+  c.say("graph.wait g");
+  const double least = c.node("numbers").at("told").at("largest").at("value");
+  c.edit({{{"set", {"Datasets", "file", "filename"}}, {"to", "twice.vol"}}});
+  c.say("graph.run g numbers");
+  c.say("graph.wait g");
+  EXPECT_DOUBLE_EQ(c.node("numbers").at("told").at("largest").at("value").get<double>(), 2 * least);
+  c.say("graph.run g copy");
+  c.say("graph.wait g");
+  EXPECT_EQ(c.state("missing"), "failed");
+  EXPECT_EQ(c.state("copy"), "blocked");
+  c.say("graph.drop g");
+  EXPECT_EQ(c.say("data.list all").at("datasets").size(), 0u);
+  EXPECT_EQ(server->serverRank(1).ledger.total("user"), 0);
+}
+
+TEST(Graph, AnEditAndItsInverseGiveTheDocumentBack) {
+  const auto server = serveGraphs(1);
+  GraphClient c(*server);
+  c.say(newGraph({liveVolume("ball"), kTwelve, madeBy("Held", "copy", {{"field", "ball"}})},
+                 json::array({viewOf("v", {"copy"})})));
+  const json before = c.say("graph.get g").at("document");
+  const std::vector<json> all{
+      {{{"set", {"Datasets", "seeds", "count"}}, {"to", 7}}, {{"set", {"Datasets", 1, "note"}}, {"to", "x"}}},
+      {{{"remove", {"Datasets", "copy"}}}},
+      {{{"add", {"Datasets"}}, {"to", madeBy("Held", "more", {{"field", "copy"}})}, {"at", 0}}},
+      {{{"add", {"GUI", "notes"}}, {"to", 1}}},
+      {{{"rename", {"Datasets", "copy"}}, {"to", "clone"}},
+       {{"rename", {"Visualizations", "v"}}, {"to", "w"}}},
+      {{{"remove", {"Datasets", "seeds"}}}, {{"rename", {"Datasets", "copy"}}, {"to", "seeds"}}},
+      {{{"set", json::array()}, {"to", {{"Datasets", json::array()}}}}}};
+  c.edit({{{"set", {"GUI"}}, {"to", json::object()}}});
+  const json start = c.say("graph.get g").at("document");
+  uint64_t revision = 2;
+  for (const json& edits : all) {
+    const json reply = c.edit(edits);
+    EXPECT_EQ(reply.at("revision"), ++revision);
+    EXPECT_NE(c.say("graph.get g").at("document"), start) << edits;
+    c.edit(reply.at("inverse"));
+    revision++;
+    EXPECT_EQ(c.say("graph.get g").at("document"), start) << edits;
+  }
+  EXPECT_NE(before, start);
+}
+
+TEST(Graph, ARenameTakesItsReferencesAlong) {
+  const auto server = serveGraphs(1);
+  GraphClient c(*server);
+  c.say(newGraph({liveVolume("ball"), madeBy("Held", "copy", {{"field", "ball"}})},
+                 json::array({viewOf("v", {"ball", "copy"})})));
+  c.edit({{{"rename", {"Datasets", "ball"}}, {"to", "bowl"}}});
+  const json document = c.say("graph.get g").at("document");
+  EXPECT_EQ(document.at("Datasets").at(1).at("inputs").at("field"), "bowl");
+  EXPECT_EQ(document.at("Visualizations").at(0).at("operators").at(0).at("dataset"), "bowl");
+}
+
+TEST(Graph, AnEditThatIsWrongChangesNothingAndSaysWhere) {
+  const auto server = serveGraphs(1);
+  GraphClient c(*server);
+  c.say(newGraph({liveVolume("ball"), kTwelve, madeBy("Held", "copy", {{"field", "ball"}})},
+                 json::array({viewOf("v", {"copy"})})));
+  const json before = c.say("graph.get g");
+  const auto refused = [&](const json& edits, const std::string& expected) {
+    const std::string error = c.error("graph.edit g " + json{{"edits", edits}}.dump());
+    EXPECT_NE(error.find(expected), std::string::npos) << error << " for " << edits;
+  };
+  const json good{{"set", {"Datasets", "seeds", "count"}}, {"to", 5}};
+  refused({good, {{"set", {"Datasets", "none", "count"}}, {"to", 5}}},
+          "`edits`[1]: Datasets[\"none\"]: there is no such element");
+  refused({good, {{"set", {"Datasets", "seeds", "count"}}, {"to", "many"}}},
+          "Datasets[\"seeds\"]: `count`: expected an integer");
+  refused({{{"set", {"Datasets", "copy", "inputs", "field"}}, {"to", "copy"}}}, "no cycle");
+  refused({{{"set", {"Datasets", "copy", "inputs", "field"}}, {"to", "seeds"}}},
+          "expected Volume, found \"seeds\"");
+  refused({{{"set", {"Datasets", "copy", "inputs", "fields"}}, {"to", "ball"}}},
+          "there is no input `fields`");
+  refused({{{"set", {"Visualizations", "v", "operators", 0, "opacity"}}, {"to", "thin"}}},
+          "Visualizations[\"v\"]: `opacity`: expected");
+  refused({{{"set", {"Visualizations", "v", "operators", 0, "dataset"}}, {"to", "seeds"}}},
+          "dataset of type Volume");
+  refused({{{"add", {"Datasets"}}, {"to", liveVolume("ball")}}}, "two datasets named \"ball\"");
+  refused({{{"set", {"version"}}, {"to", 2}}}, "`version`: expected 1, found \"2\"");
+  refused({{{"drop", {"version"}}}}, "expected `set`, `add`, `remove` or `rename`");
+  refused(json::array(), "expected a list of edits");
+  EXPECT_EQ(c.say("graph.get g"), before);
+  json many = json::array();
+  for (int i = 0; i < 1001; i++) many.push_back(liveVolume("d" + std::to_string(i)));
+  refused({{{"set", {"Datasets"}}, {"to", many}}}, "`Datasets`: expected at most 1000, found 1001");
+  json deep = 1;
+  for (int i = 0; i < 40; i++) deep = json::array({deep});
+  refused({{{"set", {"GUI"}}, {"to", deep}}}, "at most 32 deep");
+  EXPECT_NE(c.error("graph.new g").find("there is one"), std::string::npos);
+  EXPECT_NE(c.error("graph.new a/b").find("expected a name"), std::string::npos);
+}
+
+TEST(Graph, WhatIsMissingIsAState) {
+  const auto server = serveGraphs(1);
+  GraphClient c(*server);
+  json view = viewOf("v", {"copy"});
+  view["operators"].push_back("look");
+  c.say(newGraph({madeBy("Held", "copy", json::object()), madeBy("Held", "next", {{"field", "copy"}}),
+                  madeBy("Unknown", "odd", {{"x", "copy"}}), liveVolume("ball")},
+                 json::array({view})));
+  EXPECT_EQ(c.state("copy"), "incomplete");
+  EXPECT_EQ(c.node("next").at("by"), "copy");
+  EXPECT_EQ(c.state("odd"), "blocked");
+  EXPECT_EQ(c.state("ball"), "waiting");
+  EXPECT_EQ(c.node("v", "view").at("text"), "there is no operator \"look\"");
+  json look = view["operators"][0];
+  look["name"] = "look";
+  c.edit({{{"add", {"Operators"}}, {"to", look}},
+          {{"add", {"Outputs"}}, {"to", {{"type", "Cinema"}, {"of", "v"}}}}});
+  EXPECT_EQ(c.node("v", "view").at("text"), "no window shows it");
+  EXPECT_EQ(c.state("Cinema 0", "output"), "blocked");
+}
+
+TEST(Graph, CheckTellsAllThatIsWrong) {
+  const auto server = serveGraphs(1);
+  GraphClient c(*server);
+  json view = viewOf("v", {"ball"});
+  view["size"] = 3;
+  const json reply = c.say("graph.check " + json{{"Datasets", {liveVolume("ball"), {{"name", "x"}}, 3}},
+                                                 {"Visualizations", json::array({view})}}
+                                                .dump());
+  std::vector<std::string> paths;
+  for (const json& error : reply.at("errors")) paths.push_back(error.at("path"));
+  EXPECT_EQ(paths, (std::vector<std::string>{"Datasets[\"x\"]", "Datasets[2]", "Visualizations[\"v\"]"}));
+  EXPECT_EQ(c.say("graph.check {}").at("errors").size(), 0u);
+  EXPECT_EQ(c.say("graph.list").at("graphs").size(), 0u);
+  bool hasSeeds = false;
+  const json types = c.say("graph.types");
+  for (const json& type : types.at("filters")) hasSeeds = hasSeeds || type.at("name") == "Seeds";
+  EXPECT_TRUE(hasSeeds);
+}
+
+TEST(Graph, WatchersAreToldOfEditsAndStates) {
+  const auto server = serveGraphs(2);
+  GraphClient ann(*server), bob(*server);
+  ann.say(importBall("ball"));
+  ann.say(newGraph({liveVolume("ball"), kTwelve}));
+  bob.say("graph.watch g");
+  ann.say("graph.watch g");
+  bob.untilEvent([](const json& e) { return e.at("event") == "present" && e.at("clients").size() == 2; });
+  ann.edit({{{"set", {"Datasets", "seeds", "count"}}, {"to", 5}}});
+  const json edit = bob.untilEvent([](const json& e) { return e.at("event") == "graph"; });
+  EXPECT_EQ(edit.at("revision"), 2);
+  EXPECT_EQ(edit.at("by").at("client"), "test");
+  EXPECT_EQ(edit.at("edits").at(0).at("to"), 5);
+  bob.say("graph.run g");
+  const json done = ann.untilEvent([](const json& e) {
+    return e.at("event") == "node" && e.at("node") == "seeds" && e.at("state") == "done";
+  });
+  EXPECT_EQ(done.at("graph"), "g");
+  EXPECT_EQ(done.at("generation"), 1);
+  ann.client.reset();
+  bob.untilEvent([](const json& e) { return e.at("event") == "present" && e.at("clients").size() == 1; });
+  bob.say("graph.unwatch g");
+  bob.say("graph.watch g");
+  bob.say("graph.drop g");
+  bob.untilEvent([](const json& e) { return e.at("event") == "graph" && e.value("dropped", false); });
+}
+
+TEST(Graph, TenantsSeeTheirOwn) {
+  const auto server = serveGraphs(1);
+  GraphClient ann(*server, "ann"), bob(*server, "bob");
+  ann.say("graph.new g");
+  EXPECT_EQ(bob.say("graph.list").at("graphs").size(), 0u);
+  for (const char* verb : {"get", "run", "pause", "resume", "cancel", "drop", "watch"})
+    EXPECT_NE(bob.error(std::string("graph.") + verb + " g").find("there is none"), std::string::npos)
+        << verb;
+  EXPECT_NE(bob.error("viewer.show 1 {\"graph\": \"g\", \"view\": \"v\"}").find("there is none"),
+            std::string::npos);
+  bob.say("graph.new g");
+}
+
+}  // namespace
+}  // namespace gxy::test
