@@ -18,6 +18,18 @@ namespace gxy {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// A file descriptor that is closed at the end of its scope.
+struct Descriptor {
+  int number;
+  ~Descriptor() {
+    if (number >= 0) ::close(number);
+  }
+};
+
+}  // namespace
+
 DataFolders::DataFolders(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders.empty() ? std::vector<std::string>{"."} : folders) {
     std::error_code failed;
@@ -148,13 +160,6 @@ void DataFolders::NewFile::fail(int reason) const {
 
 void DataFolders::write(const std::string& path, std::span<const std::byte> bytes) const {
   NewFile made(*this, path);
-  /// A file descriptor that is closed at the end of its scope.
-  struct Descriptor {
-    int number;
-    ~Descriptor() {
-      if (number >= 0) ::close(number);
-    }
-  };
   const Descriptor file{::openat(made.folder_, made.partial_.c_str(),
                                  O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666)};
   if (file.number < 0) made.fail(errno);
