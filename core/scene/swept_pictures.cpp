@@ -141,7 +141,7 @@ bool place(OrderedJson& document, const std::string& pointer, const std::string&
 /// Writes states in which the values of document axes have been changed.
 class Documents {
  public:
-  Documents(const Sweep& sweep, const State& state, const StateReader& read)
+  Documents(const Sweep& sweep, const State& state, const StateOfText& read)
       : sweep_(sweep), read_(read), saved_(OrderedJson::parse(writeState(state))) {
     for (const std::string& warning : read_(saved_.dump()).warnings) known_.insert(wordsOf(warning));
   }
@@ -196,7 +196,7 @@ class Documents {
   }
 
   const Sweep& sweep_;
-  const StateReader& read_;
+  const StateOfText& read_;
   const OrderedJson saved_;
   std::set<std::string> known_;  ///< warnings that the state gives without any change
 };
@@ -289,7 +289,7 @@ size_t countOfScenes(const Sweep& sweep) {
   return count;
 }
 
-SweptPictures sweptPictures(const Sweep& sweep, const State& state, const StateReader& read,
+SweptPictures sweptPictures(const Sweep& sweep, const State& state, const StateOfText& read,
                             const std::function<void()>& check) {
   const size_t total = countOfPictures(sweep, state);
   SweptPictures swept;

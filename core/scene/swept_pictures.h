@@ -45,7 +45,7 @@ struct SweptPictures {
 };
 
 /// Reads the text of a whole state, as readState() does.
-using StateReader = std::function<StateFile(const std::string& text)>;
+using StateOfText = std::function<StateFile(const std::string& text)>;
 
 /// Returns the number of pictures that a sweep makes of a state in one time step. Throws Error if they are too many, or the sweep
 /// does not fit the state.
@@ -58,7 +58,7 @@ size_t countOfScenes(const Sweep& sweep);
 /// state has one visualization, and one camera unless the sweep has an axis of them; without any, it has defaultCamera()
 /// (resolve.h). `read` reads states in which a value has been changed; `check` is called before each and may throw. Throws Error
 /// "SOURCE:LINE:COLUMN: ..." for a sweep that does not fit the state.
-SweptPictures sweptPictures(const Sweep& sweep, const State& state, const StateReader& read,
+SweptPictures sweptPictures(const Sweep& sweep, const State& state, const StateOfText& read,
                             const std::function<void()>& check = {});
 
 }  // namespace gxy

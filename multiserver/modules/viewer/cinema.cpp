@@ -24,6 +24,8 @@
 
 namespace gxy::viewer {
 
+using nlohmann::json;
+
 namespace {
 
 struct CinemaRequest {
