@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include "core/comm/error.h"
 #include "core/scene/filter_schema.h"
@@ -275,8 +276,13 @@ FilterRuns::Made FilterRuns::makeOne(Request& request, const DatasetSpec& entry,
 
 /// Whether the tenant has under this name what the entry would make, or what no filter has made. Then it is pinned.
 bool FilterRuns::isMade(const std::string& tenant, const DatasetSpec& entry, PinnedData& pinned) const {
-  if (!serverRank_.datasets->find(tenant, entry.name)) return false;
-  auto [named, pin] = serverRank_.datasets->getPinned(tenant, entry.name);
+  NamedDataset named;
+  Pin pin;
+  try {
+    std::tie(named, pin) = serverRank_.datasets->getPinned(tenant, entry.name);
+  } catch (const Error&) {
+    return false;  // There is none.
+  }
   const auto dataset = pin.get<Dataset>();
   const Provenance& made = dataset->provenance;
   const auto isRead = [&](const std::string& input, const std::string& name) {
@@ -330,6 +336,11 @@ std::vector<FilterRuns::Made> FilterRuns::makeAll(Request& request, const std::v
   return all;
 }
 
+bool FilterRuns::makesDataset(const DatasetSpec& entry) const {
+  const FilterSchema& schema = serverRank_.filters.get(entry.filter)->schema;
+  return !entry.name.empty() && (schema.makes || !schema.makesLike.empty());
+}
+
 std::vector<std::string> FilterRuns::importAndMake(Request& request, Datasets::Import what,
                                                    const std::vector<std::string>& shown,
                                                    PinnedData& pinned) {
@@ -342,7 +353,7 @@ std::vector<std::string> FilterRuns::importAndMake(Request& request, Datasets::I
           "of them, or a dataset of this name");
     if (!d.filename.empty())
       files.push_back(std::move(d));
-    else if (!d.filter.empty() && !d.name.empty())  // What only tells numbers has nobody to tell them to.
+    else if (!d.filter.empty() && makesDataset(d))  // What only tells numbers has nobody to tell them to.
       made.push_back(std::move(d));
   }
   evaluationOrder(made);  // throws for a cycle before anything is read

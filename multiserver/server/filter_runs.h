@@ -71,6 +71,7 @@ class FilterRuns {
   std::vector<Made> makeAll(Request& request, const std::vector<DatasetSpec>& entries, Scope scope,
                             bool onlyMissing, const std::vector<std::string>& shown, PinnedData& pinned);
   Made makeOne(Request& request, const DatasetSpec& entry, Scope scope, PinnedData& pinned);
+  bool makesDataset(const DatasetSpec& entry) const;
   bool isMade(const std::string& tenant, const DatasetSpec& entry, PinnedData& pinned) const;
 
   ServerRank& serverRank_;

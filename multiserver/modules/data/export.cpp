@@ -54,7 +54,10 @@ struct ExportWork {
 
   /// An upper bound of what gathering takes.
   static int64_t bytesFor(const Dataset& d, bool root) {
-    if (d.volume) return 2 * std::max(kSlabBytes, gatheredSliceBytes(*d.volume));
+    if (d.volume) {
+      const int64_t slice = gatheredSliceBytes(*d.volume);
+      return 2 * std::min(std::max(kSlabBytes, slice), slice * gatheredPoints(d.volume->grid)[2]);
+    }
     const int64_t own = bytesOf(d.geometry->block);
     constexpr int64_t kPrimitive = 200;  // its points with all that they may have, and its indices
     return root ? own + 3 * kPrimitive * int64_t(d.geometry->primitives) : own;
@@ -128,10 +131,12 @@ json exportDataset(Request& request, protocol::Arguments arguments) {
   arguments.expectEnd();
   ServerRank& serverRank = request.session().serverRank();
   const std::string& tenant = request.session().tenant();
-  const auto [dataset, pin] = serverRank.datasets->getPinned(tenant, name);
-  checkExtension(file, dataset);
+  checkExtension(file, serverRank.datasets->get(tenant, name));
   const std::string path = serverRank.folders.toWrite(file);
   const auto exchange = serverRank.exchanges.beginLong(request);
+  // Pinned once it is its turn: until then a publisher may need the room.
+  const auto [dataset, pin] = serverRank.datasets->getPinned(tenant, name);
+  checkExtension(file, dataset);
   callAll(serverRank, ExportWork{*exchange, dataset.key.value, dataset.generation, tenant, path});
   return {{"file", path},
           {"generation", dataset.generation},
