@@ -240,14 +240,18 @@ void CinemaTable::put(Row row) {
   if (row.size() != columns_.size())
     throw Error("table: a row of " + std::to_string(row.size()) + " cells, expected " +
                 std::to_string(columns_.size()));
-  for (size_t c = 0; c < parameters_ && !rows_.empty(); c++)
-    if (const CellType type = cellType(rows_[0][c]); !fits(row[c], type))
-      throw Error("table: " + misfit(columns_[c], row[c], type));
+  expectFits(row, "table");
   const auto [at, added] = places_.emplace(keyOf(row), rows_.size());
   if (added)
     rows_.push_back(std::move(row));
   else
     rows_[at->second] = std::move(row);
+}
+
+void CinemaTable::expectFits(const Row& parameters, const std::string& sourceName) const {
+  for (size_t c = 0; c < parameters_ && !rows_.empty(); c++)
+    if (const CellType type = cellType(rows_[0][c]); !fits(parameters.at(c), type))
+      throw Error(sourceName + ": " + misfit(columns_[c], parameters.at(c), type));
 }
 
 const CinemaTable::Row* CinemaTable::find(const Row& parameters) const {
@@ -266,6 +270,13 @@ std::string CinemaTable::text() const {
   add(columns_);
   for (const Row& row : rows_) add(row);
   return out;
+}
+
+int64_t memoryOfTable(std::string_view text) {
+  constexpr int64_t kBytesOfACell = 256;     // in records, rows and keys, whose lists grow, or in a problem
+  constexpr int64_t kBytesOfACharacter = 8;  // in cells, keys, and the texts of the table and the page
+  const auto cells = std::count_if(text.begin(), text.end(), [](char c) { return c == ',' || c == '\n'; });
+  return int64_t(cells) * kBytesOfACell + int64_t(text.size()) * kBytesOfACharacter;
 }
 
 CinemaTable continuedTable(const std::optional<std::string>& text, const CinemaTable::Row& columns,
@@ -299,7 +310,8 @@ std::string cinemaFileName(const std::vector<std::string>& parameters, std::opti
   for (size_t c = 0; c < parameters.size(); c++)
     if (c != time) name += (name.empty() ? "" : "_") + safe(parameters[c]);
   if (name.empty()) name = "picture";
-  constexpr size_t kLongest = 230;  // of 255, less its extension and what a partial file is called
+  // Of NAME_MAX, 255: less "_depth.exr", and 30 bytes that a server's partial file has in addition (DataFolders::NewFile).
+  constexpr size_t kLongest = 200;
   if (name.size() > kLongest)
     throw Error("the parameters " + inQuotes(name) + " make a name of " + std::to_string(name.size()) +
                 " bytes for a picture, expected at most " + std::to_string(kLongest) +

@@ -62,6 +62,8 @@ class CinemaTable {
   /// Adds a row, or replaces that of the same parameters in its place. Throws Error for a row of another length, or for a cell of
   /// another type than its column has.
   void put(Row row);
+  /// Throws Error "SOURCE: ..." if a row with these parameters, and whatever files, would have a cell of another type than its column.
+  void expectFits(const Row& parameters, const std::string& sourceName) const;
   /// The row with these parameters, or null. It is valid until the next put().
   const Row* find(const Row& parameters) const;
 
@@ -76,6 +78,9 @@ class CinemaTable {
   std::unordered_map<std::string, size_t> places_;  ///< of rows, by their parameters
 };
 
+/// Returns how many bytes it takes at most to read a table of this text and to write it again with its page.
+int64_t memoryOfTable(std::string_view text);
+
 /// Returns the table that a sweep goes on with: the one whose text there is already, else an empty one. Throws Error if that one is
 /// broken, or has other columns.
 CinemaTable continuedTable(const std::optional<std::string>& text, const CinemaTable::Row& columns,
@@ -83,7 +88,8 @@ CinemaTable continuedTable(const std::optional<std::string>& text, const CinemaT
 
 /// Returns the name of the file of a row without its extension, relative to the database. It follows from the parameters, and
 /// differs where they differ. With `time`, the number of the column of the time, the files of a step have a folder of their own.
-/// The name has '/' for the folder, letters, digits and "+-.=_" only. Throws Error if it is too long for a file system.
+/// The name has '/' for the folder, letters, digits and "+-.=_" only. Throws Error if it has more than 200
+/// bytes after the folder, which may be too long for a file system.
 std::string cinemaFileName(const std::vector<std::string>& parameters, std::optional<size_t> time);
 
 }  // namespace gxy

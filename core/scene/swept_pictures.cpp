@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/comm/error.h"
+#include "core/scene/cinema_table.h"
 #include "core/scene/orbit.h"
 #include "core/scene/resolve.h"
 #include "core/scene/schema.h"
@@ -57,6 +58,8 @@ void checkState(const Sweep& sweep, const State& state) {
     const bool ofOperator = axis.kind == AxisKind::Isovalue || axis.kind == AxisKind::Slice ||
                             axis.kind == AxisKind::Clip || axis.kind == AxisKind::Colormap;
     if (!ofOperator) continue;
+    if (operators.empty())
+      failAt(sweep, axis.at, "axis: the visualization has no operators, expected one or more");
     if (size_t(axis.op) >= operators.size())
       failAt(sweep, axis.at,
              "`operator`: there is no operator " + std::to_string(axis.op) + ", expected 0 to " +
@@ -142,7 +145,10 @@ bool place(OrderedJson& document, const std::string& pointer, const std::string&
 class Documents {
  public:
   Documents(const Sweep& sweep, const State& state, const StateOfText& read)
-      : sweep_(sweep), read_(read), saved_(OrderedJson::parse(writeState(state))) {
+      : sweep_(sweep),
+        read_(read),
+        saved_(OrderedJson::parse(writeState(state))),
+        cameras_(state.cameras.size()) {
     for (const std::string& warning : read_(saved_.dump()).warnings) known_.insert(wordsOf(warning));
   }
 
@@ -168,6 +174,10 @@ class Documents {
     StateFile file;
     try {
       file = read_(document.dump());
+      checkState(sweep_, file.state);
+      if (axisOf(sweep_, AxisKind::Camera) && file.state.cameras.size() != cameras_)
+        throw Error("it has " + std::to_string(file.state.cameras.size()) + " cameras, expected " +
+                    std::to_string(cameras_) + " as without the sweep");
     } catch (const Error& e) {
       failAt(sweep_, last.at,
              "`values`: with " + inQuotes(last.cells[0]) + " the state is wrong: " + wordsOf(e.what()));
@@ -181,7 +191,7 @@ class Documents {
 
  private:
   /// A message without its place, which is of a text that nobody has written.
-  static std::string wordsOf(const std::string& message) {
+  std::string wordsOf(const std::string& message) const {
     const auto numberBefore = [&](size_t end) {  // ":12" ends here; returns where it begins
       size_t begin = end;
       while (begin > 0 && message[begin - 1] >= '0' && message[begin - 1] <= '9') begin--;
@@ -192,12 +202,14 @@ class Documents {
       if (column != std::string::npos && numberBefore(column) != std::string::npos)
         return message.substr(end + 2);
     }
-    return message;
+    const std::string ofSweep = sweep_.source + ": ";
+    return message.starts_with(ofSweep) ? message.substr(ofSweep.size()) : message;
   }
 
   const Sweep& sweep_;
   const StateOfText& read_;
   const OrderedJson saved_;
+  const size_t cameras_;         ///< of the state
   std::set<std::string> known_;  ///< warnings that the state gives without any change
 };
 
@@ -335,6 +347,7 @@ SweptPictures sweptPictures(const Sweep& sweep, const State& state, const StateO
       changed.datasets.clear();
       known = made.emplace(std::move(key), std::pair(std::move(changed), index)).first;
     }
+    cinemaFileName(one.parameters, swept.time);  // throws for a name that is too long
     one.scene = known->second.second;
     one.camera = cameraOf(sweep, known->second.first, chosen);
     swept.pictures.push_back(std::move(one));

@@ -57,7 +57,8 @@ size_t countOfScenes(const Sweep& sweep);
 /// Returns the pictures. Each equals the picture that the state makes once the values of its row have been written into it. The
 /// state has one visualization, and one camera unless the sweep has an axis of them; without any, it has defaultCamera()
 /// (resolve.h). `read` reads states in which a value has been changed; `check` is called before each and may throw. Throws Error
-/// "SOURCE:LINE:COLUMN: ..." for a sweep that does not fit the state.
+/// "SOURCE:LINE:COLUMN: ..." for a sweep that does not fit the state, or a state with its values, and Error for a picture whose
+/// file would have a name that is too long.
 SweptPictures sweptPictures(const Sweep& sweep, const State& state, const StateOfText& read,
                             const std::function<void()>& check = {});
 

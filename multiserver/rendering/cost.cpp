@@ -52,8 +52,9 @@ int64_t bytesOf(const Visualization& visualization) {
 }
 
 int64_t bytesOf(const State& state) {
-  auto bytes = int64_t(state.visualizations.size() * sizeof(Visualization) +
-                       state.cameras.size() * sizeof(Camera) + state.datasets.size() * sizeof(DatasetSpec));
+  auto bytes =
+      int64_t(state.visualizations.size() * sizeof(Visualization) + state.cameras.size() * sizeof(Camera) +
+              state.datasets.size() * sizeof(DatasetSpec) + state.annotations.text.size());
   for (const Visualization& v : state.visualizations) bytes += bytesOf(v);
   return bytes;
 }

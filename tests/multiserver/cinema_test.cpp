@@ -150,6 +150,27 @@ TEST(Cinema, WaitsForMoreStepsUntilThereAreEnough) {
   }
 }
 
+TEST(Cinema, AllScenesShowTheDataOfOneMoment) {
+  const auto server = serve();
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  CinemaClient c(*server);
+  json document = CinemaClient::documentOf(
+      {{{"axis", "time"}}, {{"axis", "key"}, {"path", "/Renderer/rays per pixel"}, {"values", {128, 1}}}});
+  document["concurrent"] = 1;
+  std::promise<Reply> ended;
+  auto reply = ended.get_future();
+  c.client->send("cinema " + document.dump(), [&](const Reply& r) { ended.set_value(r); });
+  const auto frames = [&] { return c.client->expect("stat").at("ranks").at(0).at("frames"); };
+  until([&] { return frames() == 1; }, "the first picture, which takes a while");
+  c.client->expect(importBall("ball", "twice.vol"));
+  const Reply end = reply.get();
+  EXPECT_TRUE(end.ok) << end.error;
+  c.expectValid();
+  EXPECT_EQ(c.table().rows(), (std::vector<CinemaTable::Row>{{"1.0", "128.0", "time=1.0/128.0.png"},
+                                                             {"1.0", "1.0", "time=1.0/1.0.png"}}));
+  EXPECT_EQ(c.cinema(document).at("rows"), 4) << "of the newer data";
+}
+
 TEST(Cinema, ThatIsCancelledLeavesWhatIsDone) {
   const auto server = serve();
   CinemaClient c(*server);
@@ -204,13 +225,58 @@ TEST(Cinema, WrongRequestsSayWhatWasExpected) {
       CinemaClient::documentOf({{{"axis", "key"}, {"path", "/Datasets/0/array"}, {"values", {"a", "b"}}}});
   data["state"]["Datasets"] = {{"name", "ball"}, {"type", "Volume"}, {"filename", "ball.vol"}};
   EXPECT_NE(c.error(data).find("varies keys of `Datasets`"), std::string::npos);
+  data["sweep"]["axes"][0]["values"] = {"a"};
+  EXPECT_NE(c.error(data).find("varies keys of `Datasets`"), std::string::npos);
+  data["sweep"]["axes"] = json::array({kSurfaces});
+  data["to"] = "data.cdb";
+  EXPECT_EQ(c.cinema(data).at("rows"), 2) << "other sweeps may have `Datasets`";
   c.cinema(CinemaClient::documentOf(json::array({kAngles})));
   EXPECT_NE(c.error(CinemaClient::documentOf(json::array({kSurfaces})))
                 .find("its columns are phi, FILE, expected isovalue, FILE"),
             std::string::npos);
+  const auto labelled = [](const std::string& name, const std::string& label) {
+    return json{{"axis", "key"},
+                {"path", "/Renderer/tolerance"},
+                {"name", name},
+                {"values", {0.5}},
+                {"labels", {label}}};
+  };
+  EXPECT_NE(c.error(CinemaClient::documentOf(json::array({labelled("phi", "low")})))
+                .find("a.cdb/data.csv: column \"phi\": \"low\" is a text, expected a number with a point"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(c.folder / "a.cdb/pictures/low.png")) << "nothing was rendered";
+  json longest = CinemaClient::documentOf(
+      {labelled("name", std::string(64, '_')), {{"axis", "phi"}, {"values", {0.12345}}}}, "longest.cdb");
+  longest["depth"] = true;
+  EXPECT_EQ(c.cinema(longest).at("rows"), 1) << "the longest name that is allowed";
   std::filesystem::create_symlink("/tmp", c.folder / "link.cdb");
   expect("to", "link", "it is there and not a folder");
   c.expectValid();
+}
+
+TEST(Cinema, WhatItKeepsIsCharged) {
+  ServerSetup setup;
+  setup.ranks = 1;
+  setup.modules = GALAXY_MODULES;
+  setup.serverRank.tenantMemory = 16 << 20;
+  const TestServer server(std::move(setup));
+  CinemaClient c(server);
+  // Each scene has a text of 100 kB, which an axis writes into a state without any.
+  json document =
+      CinemaClient::documentOf({{{"axis", "isovalue"}, {"from", 0.1}, {"to", 0.9}, {"count", 200}},
+                                {{"axis", "key"},
+                                 {"path", "/Annotations/text"},
+                                 {"values", {std::string(100000, 'a')}},
+                                 {"labels", {"long"}}}});
+  const std::string said = c.error(document);
+  EXPECT_NE(said.find("memory: "), std::string::npos) << said;
+  EXPECT_FALSE(std::filesystem::exists(c.folder / "a.cdb")) << "nothing was begun";
+  // A table of one MiB, which takes more to read.
+  document = CinemaClient::documentOf(json::array({kAngles}));
+  std::filesystem::create_directory(c.folder / "a.cdb");
+  std::ofstream(c.folder / "a.cdb/data.csv") << "phi,FILE\n" << std::string(1 << 20, '\n');
+  EXPECT_TRUE(c.error(document).starts_with("memory: ")) << c.error(document);
+  EXPECT_FALSE(std::filesystem::exists(c.folder / "a.cdb/pictures"));
 }
 
 }  // namespace

@@ -2,7 +2,10 @@
 // Tables of Cinema databases, and what is found wrong with broken ones.
 #include "core/scene/cinema_table.h"
 
+#include <climits>
+#include <cstdint>
 #include <fstream>
+#include <limits>
 
 #include "core/scene/check_cinema.h"
 #include "core/scene/cinema_page.h"
@@ -80,8 +83,31 @@ TEST(CinemaTable, NamesOfFilesDifferWhereParametersDo) {
   EXPECT_NE(cinemaFileName({"a", "b_c"}, {}), cinemaFileName({"a_b", "c"}, {}));
   EXPECT_NE(errorOf([] {
               cinemaFileName(std::vector<std::string>(4, std::string(60, 'a')), {});
-            }).find("expected at most 230"),
+            }).find("expected at most 200"),
             std::string::npos);
+  const std::string longest = cinemaFileName({std::string(200, 'a')}, {});
+  const std::string partial =
+      "." + std::to_string(std::numeric_limits<uint64_t>::max()) + ".partial.";  // of DataFolders::NewFile
+  EXPECT_LE(partial.size() + longest.size() - longest.find('/') - 1 + std::string("_depth.exr").size(),
+            size_t(NAME_MAX));
+}
+
+TEST(CinemaTable, RowsThatWouldNotFitAreRefused) {
+  CinemaTable table({"phi", "map", "FILE"});
+  EXPECT_NO_THROW(table.expectFits({"1", "2"}, "data.csv")) << "there is no row yet";
+  table.put({"0.0", "a", "x.png"});
+  EXPECT_NO_THROW(table.expectFits({"1.0", "b"}, "data.csv"));
+  EXPECT_EQ(
+      errorOf([&] {
+        table.expectFits({"1.0", "2.0"}, "data.csv");
+      }),
+      "data.csv: column \"map\": \"2.0\" is a number with a point, expected a text as in the first row");
+}
+
+TEST(CinemaTable, ItsMemoryFollowsFromItsCells) {
+  EXPECT_EQ(memoryOfTable(""), 0);
+  EXPECT_EQ(memoryOfTable("phi,FILE\n0.0,a.png\n"), 4 * 256 + 19 * 8);
+  EXPECT_GT(memoryOfTable(std::string(1 << 20, '\n')), int64_t(256) << 20);
 }
 
 /// A database that is valid until a test breaks it.

@@ -224,6 +224,42 @@ TEST(Sweep, WhatDoesNotFitTheStateIsSaidWithItsPlace) {
             "sweep.json: the state has 2 cameras, expected one, or an axis \"camera\"");
 }
 
+TEST(Sweep, ValuesLeaveTheNumberOfVisualizationsAndCameras) {
+  const auto key = [](const std::string& path, const std::string& value) {
+    return R"({"axis": "key", "name": "n", "path": ")" + path + R"(", "labels": ["x"], "values": [)" + value +
+           "]}";
+  };
+  const auto expect = [](const std::string& said, const std::string& why) {
+    EXPECT_NE(said.find("`values`: with \"x\" the state is wrong: " + why), std::string::npos) << said;
+  };
+  const std::string one = R"({"operators": [{"type": "Volume", "dataset": "d", "volume rendering": true}]})";
+  expect(mismatch(key("/Visualizations", "[]")), "the state has 0 visualizations, expected one");
+  expect(mismatch(key("/Visualizations", "[" + one + ", " + one + "]")),
+         "the state has 2 visualizations, expected one");
+  expect(mismatch(key("/Cameras", "[{}, {}]")), "the state has 2 cameras, expected one, or an axis");
+  const std::string cameras = R"({"axis": "camera"}, )";
+  expect(mismatch(cameras + key("/Cameras", "[]")), "it has 0 cameras, expected 1 as without the sweep");
+  expect(mismatch(cameras + key("/Cameras", "[{}, {}]")),
+         "it has 2 cameras, expected 1 as without the sweep");
+  expect(mismatch(R"({"axis": "slice", "values": [1]}, )" + key("/Visualizations/0", one)),
+         "`index`: operator 0 has 0 of them");
+  State none = state();
+  none.visualizations[0].operators.clear();
+  EXPECT_EQ(mismatch(R"({"axis": "isovalue", "values": [1]})", none),
+            "sweep.json:2:1: axis: the visualization has no operators, expected one or more");
+}
+
+TEST(Sweep, NamesOfFilesThatAreTooLongAreRefused) {
+  const auto axis = [](const char* path, const std::string& label) {
+    return std::string(R"({"axis": "key", "path": ")") + path + R"(", "values": [0.5], "labels": [")" +
+           label + "\"]}";
+  };
+  const std::string first = axis("/Renderer/tolerance", std::string(64, '_')) + ", ";  // 192 bytes
+  EXPECT_EQ(swept(first + axis("/Cameras/0/aov", "seven..")).pictures.size(), 1u);
+  EXPECT_NE(mismatch(first + axis("/Cameras/0/aov", "eight...")).find("a name of 201 bytes"),
+            std::string::npos);
+}
+
 TEST(Sweep, MadeScenesCanBeCancelled) {
   const Sweep sweep = readSweep(R"({"axes": [{"axis": "isovalue", "from": 0, "to": 1, "count": 50}]})", "s");
   int calls = 0;

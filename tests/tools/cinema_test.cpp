@@ -285,6 +285,15 @@ TEST_F(CinemaRunTest, WrongUseIsOneClearError) {
   writeSweep({{{"axis", "theta"}, {"values", {0}}}});
   fails("state.json --cinema sweep.json -o a", 1,
         "a.cdb/data.csv: its columns are phi, FILE, expected theta, FILE");
+  writeSweep({{{"axis", "key"},
+               {"path", "/Renderer/tolerance"},
+               {"name", "phi"},
+               {"values", {0.5}},
+               {"labels", {"low"}}}});
+  fails("state.json --cinema sweep.json -o a", 1,
+        "a.cdb/data.csv: column \"phi\": \"low\" is a text, expected a number with a point as in the first "
+        "row");
+  EXPECT_FALSE(fs::exists(fs::path(folder_) / "a.cdb/pictures/low.png")) << "nothing was rendered";
   expectValid("a.cdb");
   EXPECT_EQ(std::system(("cd '" + folder_ +
                          "' && echo 'x,FILE' >a.cdb/data.csv && " GXYDATA

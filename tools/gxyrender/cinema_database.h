@@ -16,6 +16,10 @@ class CinemaDatabase {
   /// Makes the folder, or goes on with the database that is there. Throws Error if that is broken or has other columns.
   CinemaDatabase(std::filesystem::path folder, const CinemaTable::Row& columns);
 
+  /// Throws Error if a row of these parameters would not fit the rows that there are.
+  void expectFits(const CinemaTable::Row& parameters) const {
+    table_.expectFits(parameters, (folder_ / "data.csv").string());
+  }
   /// Whether there is a row of these parameters, and all its files.
   bool has(const CinemaTable::Row& parameters) const;
   void put(CinemaTable::Row row) { table_.put(std::move(row)); }

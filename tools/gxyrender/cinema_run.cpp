@@ -88,6 +88,8 @@ class CinemaRun {
       columns.push_back("FILE");
       if (options.depth) columns.push_back("FILE_depth");
       database_.emplace(folder_, columns);
+      for (size_t p = 0; p < swept_.pictures.size(); p++)
+        database_->expectFits(swept_.parametersOf(p, timeOf(0)));
       return std::string();
     });
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "multiserver/modules/viewer/batch.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstring>
@@ -27,6 +28,8 @@ struct Job {
   std::mutex mutex;
   std::vector<ScenePtr>
       scenes;  ///< null where one is not made yet, or where the next picture is to show newer data
+  std::shared_ptr<const PinnedData>
+      data;  ///< that the next scenes show, scene by scene; null: they look anew
   std::condition_variable changed;
   struct Flight {
     std::weak_ptr<const SceneHandle> scene;
@@ -105,13 +108,12 @@ class Run {
         paths_.push_back(services_.serverRank.folders.toWrite(nameOf(batch_, i)));
     }
     job_->scenes.resize(batch_.scenes.size());
-    PinnedData pinned;
-    std::vector<std::string> warnings = look(pinned);
-    pinned.clear();
     const auto wanted = services_.serverRank.observers.subscribe({}, [this](const ObjectEvent& event) {
       if (event.kind == ObjectEvent::Kind::Wanted) letGo(event.key, event.generation);
     });
     const std::shared_ptr<void> end(nullptr, [this](void*) { giveUp(); });
+    std::vector<std::string> warnings;
+    lookAnew(warnings);
     for (size_t i = 0; i < total_; i++) {
       waitFor([&] { return job_->inFlight.size() < size_t(batch_.concurrent); });
       start(i);
@@ -130,7 +132,9 @@ class Run {
   // another tenant waiting the batch fails.
   void letGo(Key key, Generation generation) {
     std::vector<ScenePtr> gone;  // outside the lock
+    std::shared_ptr<const PinnedData> data;
     const std::lock_guard lock(job_->mutex);
+    if (job_->data && holds(*job_->data, key, generation)) data.swap(job_->data);
     for (ScenePtr& scene : job_->scenes)
       if (ScenePtr taken = takeIfShown(scene, key, generation)) gone.push_back(std::move(taken));
     for (const auto& [index, flight] : job_->inFlight) {
@@ -143,6 +147,12 @@ class Run {
                       ", of which picture " + std::to_string(index) + " takes too long";
       job_->changed.notify_all();
     }
+  }
+
+  static bool holds(const PinnedData& data, Key key, Generation generation) {
+    return std::any_of(data.begin(), data.end(), [&](const auto& d) {
+      return d.second.first.key == key && d.second.first.generation == generation;
+    });
   }
 
   void check() {
@@ -225,21 +235,50 @@ class Run {
     if (const auto at = job_->inFlight.find(index); at != job_->inFlight.end()) at->second.id = id;
   }
 
-  // Makes what the document has, and the scenes of all pictures unless they are made one by one, of the data of one moment. `pinned` gets
-  // the data that they show. Returns what of the files is not used.
-  std::vector<std::string> look(PinnedData& pinned) {
-    std::vector<std::string> warnings;
+  // Makes what the document has, and the scenes of all pictures unless they are made one by one, of the data of one moment. Returns the
+  // data that they show, and adds what of the files is not used to `warnings`.
+  std::shared_ptr<const PinnedData> lookAnew(std::vector<std::string>& warnings) {
+    const auto pinned = std::make_shared<PinnedData>();
     Datasets::Import what;
     what.specs = batch_.datasets;
     what.onlyMissing = true;
     if (!what.specs.empty())
-      warnings = services_.serverRank.filterRuns->importAndMake(request_, std::move(what), names_, pinned);
-    if (batch_.sceneByScene) return warnings;
+      warnings = services_.serverRank.filterRuns->importAndMake(request_, std::move(what), names_, *pinned);
     std::vector<ScenePtr> scenes;
-    for (size_t i = 0; i < shown_.size(); i++) scenes.push_back(sceneOf(i, nullptr, pinned).scene);
+    if (batch_.sceneByScene)
+      services_.serverRank.datasets->pin(request_.session().tenant(), names_, *pinned);
+    else
+      for (size_t i = 0; i < shown_.size(); i++) scenes.push_back(sceneOf(i, nullptr, *pinned).scene);
+    if (batch_.sceneByScene) {
+      keepData(pinned);
+    } else {
+      const std::lock_guard lock(job_->mutex);
+      job_->scenes.swap(scenes);
+    }
+    return pinned;
+  }
+
+  void keepData(std::shared_ptr<const PinnedData> which) {
     const std::lock_guard lock(job_->mutex);
-    job_->scenes.swap(scenes);
-    return warnings;
+    job_->data.swap(which);  // and what was there goes without the lock
+  }
+
+  // The data that the next scene shows: scene by scene those of the scenes before, while these are there and no update needs their room.
+  std::shared_ptr<const PinnedData> dataOfScene() {
+    std::shared_ptr<const PinnedData> data;
+    {
+      const std::lock_guard lock(job_->mutex);
+      data = job_->data;
+    }
+    if (data) {
+      std::vector<NamedDataset> named;
+      for (const auto& d : *data) named.push_back(d.second.first);
+      if (services_.scenes.namesMean(request_.session().tenant(), named)) return data;
+      data = nullptr;
+      keepData(nullptr);
+    }
+    std::vector<std::string> warnings;
+    return lookAnew(warnings);
   }
 
   SceneCache::Pinned sceneOf(size_t scene, const ScenePtr& known, const PinnedData& pinned) {
@@ -258,9 +297,7 @@ class Run {
     };
     if (const ScenePtr known = kept())
       if (auto pinned = services_.scenes.pin(request_.session().tenant(), known)) return *std::move(pinned);
-    PinnedData data;
-    look(data);
-    SceneCache::Pinned pinned = sceneOf(scene, kept(), data);
+    SceneCache::Pinned pinned = sceneOf(scene, kept(), *dataOfScene());
     if (batch_.sceneByScene) keep(scene, pinned.scene);
     return pinned;
   }
@@ -316,6 +353,7 @@ class Run {
 
   // Whatever is still under way ends before the request does.
   void giveUp() {
+    keepData(nullptr);
     std::unique_lock lock(job_->mutex);
     const auto inFlight = job_->inFlight;
     lock.unlock();

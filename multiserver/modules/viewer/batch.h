@@ -39,7 +39,8 @@ struct BatchRender {
   std::string format = "png";
   int concurrent = 4;
   /// Scenes are made one after the other, as pictures need them, and each is let go of when those of the next begin; else all are made
-  /// before the first picture.
+  /// before the first picture. Either way they show the data of one moment, but those that are made after an update needed the room of
+  /// these show newer ones.
   bool sceneByScene = false;
   /// The files of a picture that shows these data; null: its name in a data folder. The batch's thread calls it.
   std::function<Files(size_t picture, const SceneCache::Pinned& data)> filesOf;

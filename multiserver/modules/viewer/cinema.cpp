@@ -20,6 +20,7 @@
 #include "multiserver/modules/viewer/batch.h"
 #include "multiserver/modules/viewer/documents.h"
 #include "multiserver/modules/viewer/members.h"
+#include "multiserver/rendering/cost.h"
 #include "multiserver/server/datasets.h"
 
 namespace gxy::viewer {
@@ -145,6 +146,13 @@ class News {
   std::shared_ptr<void> wish_, subscription_;
 };
 
+/// At most what rows of pictures and their cameras take, in the sweep, the batch, the rows and the table.
+int64_t bytesOfRows(size_t pictures, const Sweep& sweep) {
+  constexpr size_t kBytesOfACell = 4 * 128;  // of 64 bytes or less
+  return int64_t(pictures * (sizeof(SweptPicture) + sizeof(BatchPicture) +
+                             (sweep.columns().size() + 2) * kBytesOfACell));
+}
+
 /// Renders a sweep into one database.
 class CinemaWork {
  public:
@@ -154,6 +162,8 @@ class CinemaWork {
         cinema_(cinema),
         swept_(swept),
         folder_(services.serverRank.folders.makeFolder(cinema.database)),
+        mutex_(services.tables.of(folder_)),
+        tableRoom_(request.session()),
         rows_(swept.pictures.size()),
         made_(swept.pictures.size(), 0) {
     columns_ = swept.columns;
@@ -167,8 +177,10 @@ class CinemaWork {
   json run() {
     const auto begin = std::chrono::steady_clock::now();
     {
-      const std::lock_guard lock(services_.tables);
-      tableNow();  // an error of it comes before any picture
+      const std::lock_guard lock(*mutex_);
+      const CinemaTable table = tableNow();  // an error of it comes before any picture
+      for (size_t p = 0; p < swept_.pictures.size(); p++)
+        table.expectFits(swept_.parametersOf(p, floatCell(0)), nameOfTable());
     }
     const BatchRender batch = batchOf();
     json warnings;
@@ -226,19 +238,27 @@ class CinemaWork {
     return files;
   }
 
-  /// The table as it is now. Others may have added to it.
-  CinemaTable tableNow() const {
+  std::string nameOfTable() const { return cinema_.database + "/data.csv"; }
+
+  /// The table as it is now, by one request at a time. Others may have added to it. The room for it is kept, so that what has been rendered
+  /// can be put into it.
+  CinemaTable tableNow() {
     const std::string csv = folder_ + "/data.csv";
-    std::optional<std::string> text;
-    constexpr int64_t kLongest = int64_t(256) << 20;
-    if (std::filesystem::exists(csv)) text = services_.serverRank.folders.textOf(csv, kLongest);
-    return continuedTable(text, columns_, cinema_.database + "/data.csv");
+    if (!std::filesystem::exists(csv)) return continuedTable({}, columns_, nameOfTable());
+    constexpr uintmax_t kLongest = uintmax_t(256) << 20;
+    std::error_code failed;
+    const uintmax_t size = std::filesystem::file_size(csv, failed);
+    const auto limit = failed ? 0 : int64_t(std::min(size, kLongest));
+    tableRoom_.atLeast(limit);
+    const std::string text = services_.serverRank.folders.textOf(csv, limit);
+    tableRoom_.atLeast(limit + memoryOfTable(text));
+    return continuedTable(text, columns_, nameOfTable());
   }
 
   /// Adds what has been made to the table. Returns the number of its rows.
   size_t replaceTable() {
     const DataFolders& folders = services_.serverRank.folders;
-    const std::lock_guard lock(services_.tables);
+    const std::lock_guard lock(*mutex_);
     CinemaTable table = tableNow();
     bool more = false;
     for (size_t p = 0; p < rows_.size(); p++)
@@ -260,6 +280,8 @@ class CinemaWork {
   const CinemaRequest& cinema_;
   const SweptPictures& swept_;
   const std::string folder_;
+  const std::shared_ptr<std::mutex> mutex_;  ///< of the table
+  KeptRoom tableRoom_;
   CinemaTable::Row columns_;
   Versions shown_;
   std::vector<size_t> order_;           ///< of pictures, those of a scene together
@@ -280,15 +302,25 @@ json cinema(Services& services, Request& request, std::string_view document) {
             {"warnings", cinema.warnings},
             {"text", std::to_string(pictures) + " pictures, of " + std::to_string(scenes) + " scenes"}};
   }
-  const auto copies = int64_t(countOfScenes(cinema.sweep));
-  const LedgerEntry room = roomFor(cinema.state, request.session(), 2 * copies + 1);
+  KeptRoom room(request.session());
+  room.add(bytesOf(cinema.state) + bytesOfRows(pictures, cinema.sweep));
+  room.take();
   // A reader for each text: what one has read counts until it goes.
-  const SweptPictures swept = sweptPictures(
-      cinema.sweep, cinema.state,
-      [&](const std::string& text) { return DocumentReader(request).state(text, "state"); },
-      [&] { request.check(); });
-  if (swept.datasets.size() > 1)
-    throw Error("cinema: the sweep varies keys of `Datasets`, expected none, as a server makes these once");
+  const auto read = [&](const std::string& text) {
+    StateFile file = DocumentReader(request).state(text, "state");
+    if (file.state.datasets != cinema.state.datasets)
+      throw Error("the sweep varies keys of `Datasets`, expected none, as a server makes these once");
+    for (const Visualization& visualization : file.state.visualizations) checkCost(visualization);
+    room.add(
+        2 *
+        bytesOf(file.state));  // for the sweep and the batch; `check` takes it, whose errors are no state's
+    return file;
+  };
+  const SweptPictures swept = sweptPictures(cinema.sweep, cinema.state, read, [&] {
+    request.check();
+    room.take();
+  });
+  room.take();
   const News news(*services.serverRank.datasets, request.session().tenant(), cinema.state);
   json result;
   Versions shown, last;  // by the last pass; `shown` with what its data are made of

@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "multiserver/modules/viewer/documents.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "multiserver/rendering/cost.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/filter_runs.h"
 
 namespace gxy::viewer {
+
+namespace {
+constexpr int64_t kShort = 64 << 10;  // Less is not worth an entry.
+}
 
 std::vector<std::string> importMissing(Request& request, const std::vector<DatasetSpec>& specs) {
   Datasets::Import what;
@@ -21,11 +28,21 @@ std::string linesOf(const std::vector<std::string>& warnings) {
   return text;
 }
 
-LedgerEntry roomFor(const State& state, Session& session, int64_t copies) {
-  constexpr int64_t kShort = 64 << 10;
-  const int64_t bytes = bytesOf(state) * copies;
+LedgerEntry roomFor(const State& state, Session& session) {
+  const int64_t bytes = bytesOf(state);
   return bytes > kShort ? session.serverRank().takeMemory(session.tenant(), "documents", bytes)
                         : LedgerEntry();
+}
+
+void KeptRoom::take() {
+  if (pending_ <= kShort) return;
+  taken_.push_back(session_.serverRank().takeMemory(session_.tenant(), "documents", pending_));
+  bytes_ += std::exchange(pending_, 0);
+}
+
+void KeptRoom::atLeast(int64_t bytes) {
+  add(std::max<int64_t>(bytes - bytes_ - pending_, 0));
+  take();
 }
 
 }  // namespace gxy::viewer

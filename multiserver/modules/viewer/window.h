@@ -12,6 +12,7 @@
 #include "multiserver/graph/graphs.h"
 #include "multiserver/modules/viewer/first_looks.h"
 #include "multiserver/modules/viewer/retries.h"
+#include "multiserver/modules/viewer/table_locks.h"
 #include "multiserver/protocol/pixel_record.h"
 #include "multiserver/rendering/rendering.h"
 #include "multiserver/server/outbox.h"
@@ -32,8 +33,8 @@ struct Services {
   const std::shared_ptr<Graphs> graphs;
   SceneCache& scenes = rendering->scenes;
   PictureDelivery& pictures = rendering->pictures;
-  std::mutex tables;  ///< of Cinema databases are read and replaced by one at a time
-  Retries retries;    ///< of windows; the last member, since its thread calls windows, which use the others
+  TableLocks tables;
+  Retries retries;  ///< of windows; the last member, since its thread calls windows, which use the others
 };
 
 /// The options of `render` (docs/protocol.md).
