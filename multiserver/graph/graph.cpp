@@ -10,6 +10,8 @@
 #include "core/scene/dataset_type.h"
 #include "multiserver/graph/document_edits.h"
 #include "multiserver/protocol/json.h"
+#include "multiserver/rendering/cost.h"
+#include "multiserver/server/document_reader.h"
 
 namespace gxy {
 
@@ -62,8 +64,8 @@ json Graph::edit(const json& edits, bool live, const Client& by, const StateRead
 
 // Of what a document takes. Outputs that nothing shows have to give way.
 LedgerEntry Graph::roomFor(const GraphDocument& document) {
-  constexpr int64_t kBytesOfACharacter = 4;
-  const auto bytes = int64_t(protocol::dump(document.json).size()) * kBytesOfACharacter;
+  int64_t bytes = parsingBytes(protocol::dump(document.json));
+  for (const auto& [view, look] : document.looks) bytes += bytesOf(look.visualization);
   for (;;) try {
       return services_.serverRank.takeMemory(tenant_, "graph " + name_, bytes);
     } catch (const NoRoom&) {

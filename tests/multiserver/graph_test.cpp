@@ -177,6 +177,29 @@ TEST(Graph, WhatIsMissingIsAState) {
   EXPECT_EQ(c.state("Cinema 0", "output"), "blocked");
 }
 
+TEST(Graph, OperatorsByNameAreLimitedBeforeTheyAreCopied) {
+  const auto server = serveGraphs(1);
+  GraphClient c(*server);
+  json view = viewOf("v", {"ball"});
+  json look = view["operators"][0];
+  look["name"] = "o";
+  look["colormap"] = json::array();
+  for (int i = 0; i < 1000; i++) look["colormap"].push_back({i, 0.5, 0.5, 0.5});
+  json document{{"Datasets", {liveVolume("ball")}}, {"Operators", json::array({look})}};
+  const auto errorOf = [&](size_t views, size_t operators) {
+    view["operators"] = std::vector<std::string>(operators, "o");
+    document["Visualizations"] = json::array();
+    for (size_t i = 0; i < views; i++) {
+      view["name"] = "v" + std::to_string(i);
+      document["Visualizations"].push_back(view);
+    }
+    return c.error("graph.new g " + document.dump());
+  };
+  EXPECT_NE(errorOf(1, 65).find("rendering: 65 operators, expected at most 64"), std::string::npos);
+  EXPECT_NE(errorOf(100, 50).find("bytes of them, expected at most 67108864"), std::string::npos);
+  EXPECT_EQ(errorOf(1, 50), "");
+}
+
 TEST(Graph, CheckTellsAllThatIsWrong) {
   const auto server = serveGraphs(1);
   GraphClient c(*server);
@@ -189,6 +212,12 @@ TEST(Graph, CheckTellsAllThatIsWrong) {
   for (const json& error : reply.at("errors")) paths.push_back(error.at("path"));
   EXPECT_EQ(paths, (std::vector<std::string>{"Datasets[\"x\"]", "Datasets[2]", "Visualizations[\"v\"]"}));
   EXPECT_EQ(c.say("graph.check {}").at("errors").size(), 0u);
+  json many = json::array();
+  for (int i = 0; i < 1000; i++) many.push_back(3);
+  EXPECT_EQ(c.say("graph.check " + json{{"Datasets", many}}.dump()).at("errors").size(), 100u);
+  many.push_back(3);
+  EXPECT_EQ(c.say("graph.check " + json{{"Datasets", many}}.dump()).at("errors").size(), 1u)
+      << "and nothing of them is read";
   EXPECT_EQ(c.say("graph.list").at("graphs").size(), 0u);
   bool hasSeeds = false;
   const json types = c.say("graph.types");
