@@ -29,11 +29,15 @@ Failure failureOf(const std::string& text) {
 
 }  // namespace
 
-// Functions here are called with the lock held, but for adopt(), fetch(), evaluate() and giveUpOldest(), which wait.
+// Functions here are called with the lock held, but for adopt(), fetch(), evaluate(), giveUpOldest() and dropUnused(), which wait.
 
 void Graph::act() {
   for (std::vector<flow::Action> actions = flow_.take(); !actions.empty(); actions = flow_.take())
-    for (const flow::Action& action : actions) std::visit([this](const auto& a) { carryOut(a); }, action);
+    for (const flow::Action& action : actions) try {
+        std::visit([this](const auto& a) { carryOut(a); }, action);
+      } catch (const std::exception&) {
+        // Those that follow are carried out all the same.
+      }
   changed_.notify_all();
 }
 

@@ -232,9 +232,11 @@ std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const s
 }
 
 void Datasets::nameOfGraph(const std::string& tenant, const std::string& name, Key key, DatasetType type) {
-  const auto now = serverRank_.directory.find(tenant, name, Scope::Private);
-  if (now && (!now->ofGraph || now->key == key)) return;
-  serverRank_.directory.bind(name, Scope::Private, {key, nameOf(type), tenant, false, true});
+  std::optional<DirectoryEntry> now;
+  do {
+    now = serverRank_.directory.find(tenant, name, Scope::Private);
+    if (now && (!now->ofGraph || now->key == key)) return;
+  } while (!serverRank_.directory.bindIf(name, now, {key, nameOf(type), tenant, false, true}));
   const auto kind = now ? DatasetEvent::Kind::Updated : DatasetEvent::Kind::Added;
   tell({kind, {key, name, Scope::Private, nameOf(type), tenant, false, 1, true}, {}, {}});
 }
@@ -242,7 +244,7 @@ void Datasets::nameOfGraph(const std::string& tenant, const std::string& name, K
 void Datasets::unnameOfGraph(const std::string& tenant, const std::string& name, Key key) {
   const auto now = serverRank_.directory.find(tenant, name, Scope::Private);
   if (!now || !now->ofGraph || now->key != key) return;
-  serverRank_.directory.remove(tenant, name, Scope::Private);
+  if (!serverRank_.directory.removeIf(tenant, name, *now)) return;
   tell({DatasetEvent::Kind::Dropped, named(name, Scope::Private, *now), {}, {}});
 }
 
