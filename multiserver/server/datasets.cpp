@@ -225,6 +225,9 @@ std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const s
   const auto entry = serverRank_.directory.find(tenant, name, scope);
   if (!entry) return std::nullopt;
   if (entry->ofGraph && !ofGraph) failOfGraph(name);
+  if (!entry->ofGraph && ofGraph)
+    throw Error("dataset " + inQuotes(name) +
+                " is not of the graph, expected another name for it or for the graph's node");
   if (entry->readOnly && entry->owner != tenant)
     throw Error("dataset " + inQuotes(name) + " belongs to " + entry->owner +
                 " and is read-only, expected a name that is free or your own");
@@ -271,15 +274,10 @@ void Datasets::drop(const std::string& tenant, const std::string& name) {
   dropObject(key);
 }
 
-void Datasets::dropOfGraph(const std::string& tenant, const std::string& name) {
-  Key key;
+void Datasets::dropOfGraph(const std::string& tenant, const std::string& name, Key key) {
   {
     const std::lock_guard naming(naming_);
-    const auto now = serverRank_.directory.find(tenant, name, Scope::Private);
-    if (!now || !now->ofGraph) return;
-    serverRank_.directory.remove(tenant, name, Scope::Private);
-    key = now->key;
-    tell({DatasetEvent::Kind::Dropped, named(name, Scope::Private, *now), {}, {}});
+    unnameOfGraph(tenant, name, key);
   }
   dropObject(key);
 }
