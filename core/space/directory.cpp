@@ -29,6 +29,15 @@ std::optional<DirectoryEntry> Directory::bind(const std::string& name, Scope sco
   return std::exchange(at->second, std::move(entry));
 }
 
+bool Directory::bindIf(const std::string& name, const std::optional<DirectoryEntry>& expected,
+                       DirectoryEntry entry) {
+  if (name.empty()) throw Error("name: it is empty, expected one character or more");
+  const std::lock_guard lock(mutex_);
+  if (findLocked(entry.owner, name, Scope::Private) != expected) return false;
+  private_[entry.owner].insert_or_assign(name, std::move(entry));
+  return true;
+}
+
 std::optional<DirectoryEntry> Directory::find(const std::string& tenant, const std::string& name) const {
   const std::lock_guard lock(mutex_);
   if (auto own = findLocked(tenant, name, Scope::Private)) return own;
@@ -81,6 +90,13 @@ DirectoryEntry Directory::remove(const std::string& tenant, const std::string& n
   DirectoryEntry removed = std::move(at->second);
   names.erase(at);
   return removed;
+}
+
+bool Directory::removeIf(const std::string& tenant, const std::string& name, const DirectoryEntry& expected) {
+  const std::lock_guard lock(mutex_);
+  if (findLocked(tenant, name, Scope::Private) != expected) return false;
+  private_[tenant].erase(name);
+  return true;
 }
 
 std::vector<Directory::Listed> Directory::list(const std::string& tenant) const {

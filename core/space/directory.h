@@ -38,6 +38,10 @@ class Directory {
   /// by another tenant.
   std::optional<DirectoryEntry> bind(const std::string& name, Scope scope, DirectoryEntry entry);
 
+  /// Binds a name in the private directory of the entry's owner if its entry there is `expected`; null: if there is none. Returns
+  /// whether it was. Throws Error if the name is empty.
+  bool bindIf(const std::string& name, const std::optional<DirectoryEntry>& expected, DirectoryEntry entry);
+
   /// Returns the entry that a name has for a tenant: that of its private directory, or else of the shared one.
   std::optional<DirectoryEntry> find(const std::string& tenant, const std::string& name) const;
   /// Like this for several names, in their order, as they are at one moment: no name changes in between.
@@ -51,6 +55,9 @@ class Directory {
   /// Removes a name and returns its entry. Throws Error if there is none, or if it is read-only and owned
   /// by another tenant.
   DirectoryEntry remove(const std::string& tenant, const std::string& name, Scope scope);
+
+  /// Removes a name from a tenant's private directory if its entry there is `expected`. Returns whether it was.
+  bool removeIf(const std::string& tenant, const std::string& name, const DirectoryEntry& expected);
 
   /// Returns all entries that a tenant sees, by name. If a private name hides a shared one, both are listed.
   std::vector<Listed> list(const std::string& tenant) const;

@@ -3,6 +3,7 @@
 #include "multiserver/graph/graph.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/comm/error.h"
@@ -10,6 +11,8 @@
 #include "core/scene/dataset_type.h"
 #include "multiserver/graph/document_edits.h"
 #include "multiserver/protocol/json.h"
+#include "multiserver/rendering/cost.h"
+#include "multiserver/server/document_reader.h"
 
 namespace gxy {
 
@@ -62,8 +65,8 @@ json Graph::edit(const json& edits, bool live, const Client& by, const StateRead
 
 // Of what a document takes. Outputs that nothing shows have to give way.
 LedgerEntry Graph::roomFor(const GraphDocument& document) {
-  constexpr int64_t kBytesOfACharacter = 4;
-  const auto bytes = int64_t(protocol::dump(document.json).size()) * kBytesOfACharacter;
+  int64_t bytes = parsingBytes(protocol::dump(document.json));
+  for (const auto& [view, look] : document.looks) bytes += bytesOf(look.visualization);
   for (;;) try {
       return services_.serverRank.takeMemory(tenant_, "graph " + name_, bytes);
     } catch (const NoRoom&) {
@@ -129,11 +132,22 @@ void Graph::dropWhatTheDocumentHasNot() {
       continue;
     }
     stop(*it->second.running);
-    if (!spec || spec->filename.empty())
-      post([this, name = name_ + "/" + it->first] {
-        services_.serverRank.datasets->dropOfGraph(tenant_, name);
-      });
     it = fetched_.erase(it);
+  }
+  std::vector<std::string> gone;
+  for (const auto& [source, keys] : imported_)
+    if (const DatasetSpec* spec = document_.dataset(source); !spec || spec->filename.empty())
+      gone.push_back(source);
+  for (const std::string& source : gone) dropImported(source);
+}
+
+// The name is free at once, for whatever the node is next.
+void Graph::dropImported(const std::string& source) {
+  const auto imported = imported_.extract(source);
+  for (const Key key : imported.mapped()) {
+    const std::string name = name_ + "/" + source;
+    services_.serverRank.datasets->unnameOfGraph(tenant_, name, key);
+    post([this, name, key] { services_.serverRank.datasets->dropOfGraph(tenant_, name, key); });
   }
 }
 
@@ -181,6 +195,8 @@ void Graph::cancel(const std::optional<std::string>& node) {
   const std::lock_guard lock(mutex_);
   checkNotEnded();
   node ? flow_.cancel(*node) : flow_.cancel();
+  for (const auto& [source, fetched] : fetched_)
+    if (fetched.isUnderWay && (!node || source == *node)) stop(*fetched.running);
   act();
 }
 
@@ -322,14 +338,22 @@ bool Graph::isLookPosted() const {
 
 // Sees all live sources at one moment, so what was published together comes together.
 void Graph::lookAtData() {
+  constexpr int kLooks = 8;  // at names whose objects are dropped meanwhile, each time
   Datasets& datasets = *services_.serverRank.datasets;
+  const auto isThere = [&](const std::string& name) {
+    try {
+      datasets.getPinned(tenant_, name);
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  };
   std::vector<std::string> live;
   for (const DatasetSpec& d : document_.flow.datasets)
     if (d.isLive()) live.push_back(d.name);
-  for (;;) {
+  for (int look = 0; look < kLooks; look++) {
     std::vector<std::string> names;
-    for (const std::string& name : live)
-      if (datasets.find(tenant_, name)) names.push_back(name);
+    std::copy_if(live.begin(), live.end(), std::back_inserter(names), isThere);
     std::vector<flow::Flow::Update> updates;
     try {
       for (const auto& [d, pin] : datasets.getPinned(tenant_, names)) {
@@ -346,6 +370,7 @@ void Graph::lookAtData() {
     flow_.update(updates);
     return;
   }
+  onData();
 }
 
 void Graph::onWanted(const flow::SourceGeneration& generation) {
@@ -373,9 +398,16 @@ void Graph::onDropped(Key object) {
       holds_.erase(held->first);
       heldIds_.erase(held);
     }
+    std::vector<flow::NodeKey> evicted;
+    for (const auto& [key, output] : outputs_)
+      if (output->object && output->object->key() == object) evicted.push_back(key);
     if (isEnded_) return;
     for (const flow::SourceGeneration& generation : lost) flow_.lost(generation);
-    if (!lost.empty()) act();
+    for (const flow::NodeKey& key : evicted) {
+      carryOut(flow::DropOutput{key});
+      flow_.evicted(key);
+    }
+    if (!lost.empty() || !evicted.empty()) act();
   });
 }
 
@@ -429,21 +461,25 @@ void Graph::end() {
 void Graph::release() {
   Datasets& datasets = *services_.serverRank.datasets;
   std::map<std::string, std::pair<flow::NodeKey, Key>> named;
-  std::map<std::string, Fetched> fetched;
+  std::map<std::string, std::set<Key>> imported;
   std::map<flow::NodeKey, std::shared_ptr<const GraphOutput>> outputs;
   {
     const std::lock_guard lock(mutex_);
     named.swap(named_);
-    fetched.swap(fetched_);
+    imported.swap(imported_);
     outputs.swap(outputs_);
     shown_.clear();
     holds_.clear();
+    told_.clear();
+    document_ = {};
+    flow_.edit(document_.flow);
+    flow_.take();
     documentMemory_ = {};
   }
   for (const auto& [node, output] : named) datasets.unnameOfGraph(tenant_, name_ + "/" + node, output.second);
-  for (const auto& [source, what] : fetched) datasets.dropOfGraph(tenant_, name_ + "/" + source);
-  for (auto& [key, output] : outputs)
-    if (output.use_count() == 1 && output->object && output->object.use_count() == 1) output->object->drop();
+  for (const auto& [source, keys] : imported)
+    for (const Key key : keys) datasets.dropOfGraph(tenant_, name_ + "/" + source, key);
+  dropUnused(outputs);
 }
 
 }  // namespace gxy

@@ -129,6 +129,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   StateReader withRoom(const StateReader& readState);
   void commit(GraphDocument document, LedgerEntry memory, bool live, const nlohmann::json& event);
   void dropWhatTheDocumentHasNot();
+  void dropImported(const std::string& source);
   void lookAtData();
   void wantNews();
   void post(std::function<void()> task);
@@ -153,11 +154,13 @@ class Graph : public std::enable_shared_from_this<Graph> {
   void fetch(const DatasetSpec& spec, const std::shared_ptr<Running>& running);
   void evaluate(const flow::StartEvaluation& action, const std::shared_ptr<Running>& running);
   bool giveUpOldest();
+  void dropUnused(const std::map<flow::NodeKey, std::shared_ptr<const GraphOutput>>& outputs);
   void giveName(const std::string& node, const flow::NodeKey& key);
   std::vector<FilterRuns::Evaluation::Source> sourcesOf(const flow::StartEvaluation& action) const;
   Asker askerFor(uint64_t evaluation, const std::shared_ptr<Running>& running);
   std::shared_ptr<KeptData> keptSource(const flow::SourceGeneration& id) const;
   void stop(Running& running);
+  std::function<void(uint64_t exchange)> begunOf(const std::shared_ptr<Running>& running);
 
   // graph_events.cpp: what it tells
   nlohmann::json nodesJson() const;
@@ -193,6 +196,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   std::map<std::string, Generation> generations_;               ///< that were made, by node
   std::map<uint64_t, std::shared_ptr<Running>> running_;        ///< evaluations
   std::map<std::string, Fetched> fetched_;                      ///< by source
+  std::map<std::string, std::set<Key>> imported_;               ///< objects that files have become, by source
   std::shared_ptr<void> wish_;                                  ///< for newer data
 
   uint64_t serial_ = 0, nextWindow_ = 1;

@@ -29,11 +29,15 @@ Failure failureOf(const std::string& text) {
 
 }  // namespace
 
-// Functions here are called with the lock held, but for adopt(), fetch(), evaluate() and giveUpOldest(), which wait.
+// Functions here are called with the lock held, but for adopt(), fetch(), evaluate(), giveUpOldest() and dropUnused(), which wait.
 
 void Graph::act() {
   for (std::vector<flow::Action> actions = flow_.take(); !actions.empty(); actions = flow_.take())
-    for (const flow::Action& action : actions) std::visit([this](const auto& a) { carryOut(a); }, action);
+    for (const flow::Action& action : actions) try {
+        std::visit([this](const auto& a) { carryOut(a); }, action);
+      } catch (const std::exception&) {
+        // Those that follow are carried out all the same.
+      }
   changed_.notify_all();
 }
 
@@ -116,18 +120,25 @@ void Graph::fetch(const DatasetSpec& spec, const std::shared_ptr<Running>& runni
   asker.check = [running] {
     if (running->isCancelled) throw Error("cancelled");
   };
+  std::optional<Key> published;
   std::optional<flow::SourceData> data;
   std::string error;
   try {
-    datasets.import(
-        tenant_, asker, [&](uint64_t exchange) { running->exchange = exchange; }, what);
-    const auto [d, pin] = datasets.getPinned(tenant_, what.specs[0].name);
-    const auto dataset = pin.get<Dataset>();
-    data = flow::SourceData{{d.key, d.generation}, typeOf(*dataset), dataset->origins};
+    const DatasetDraft made = datasets.import(tenant_, asker, begunOf(running), what).datasets.at(0);
+    published = made.key;
+    const auto dataset = services_.serverRank.objects.pin(made.key, made.generation).get<Dataset>();
+    data = flow::SourceData{{made.key, made.generation}, typeOf(*dataset), dataset->origins};
   } catch (const std::exception& e) {
     error = textOf(e);
   }
   const std::lock_guard lock(mutex_);
+  if (published) {
+    std::set<Key>& keys = imported_[spec.name];
+    std::erase_if(keys, [&](Key key) { return !services_.serverRank.objects.contains(key); });
+    keys.insert(*published);
+    const DatasetSpec* now = document_.dataset(spec.name);
+    if (!now || now->filename.empty()) dropImported(spec.name);
+  }
   const auto found = fetched_.find(spec.name);
   if (isEnded_ || found == fetched_.end() || found->second.running != running) return;
   found->second.isUnderWay = false;
@@ -139,13 +150,24 @@ void Graph::fetch(const DatasetSpec& spec, const std::shared_ptr<Running>& runni
   act();
 }
 
+// Between its two lines, begunOf() may come: whoever is second tells the ranks.
 void Graph::stop(Running& running) {
   running.isCancelled = true;
   if (const uint64_t exchange = running.exchange) services_.serverRank.exchanges.cancel(exchange);
 }
 
+std::function<void(uint64_t)> Graph::begunOf(const std::shared_ptr<Running>& running) {
+  return [this, running](uint64_t exchange) {
+    running->exchange = exchange;
+    if (running->isCancelled) services_.serverRank.exchanges.cancel(exchange);
+  };
+}
+
 void Graph::carryOut(const flow::StartEvaluation& action) {
-  if (auto output = services_.outputs.find(tenant_, action.key)) {
+  const auto isThere = [this](const GraphOutput& output) {
+    return !output.object || services_.serverRank.objects.contains(output.object->key());
+  };
+  if (auto output = services_.outputs.find(tenant_, action.key); output && isThere(*output)) {
     const flow::Made made = output->made;
     outputs_[action.key] = std::move(output);
     return flow_.finished(action.evaluation, made);
@@ -240,7 +262,7 @@ void Graph::evaluate(const flow::StartEvaluation& action, const std::shared_ptr<
   what.filter = action.filter;
   what.properties = action.properties;
   what.sources = [&] { return sourcesOf(action); };
-  what.begun = [&](uint64_t exchange) { running->exchange = exchange; };
+  what.begun = begunOf(running);
   const auto begin = Clock::now();
   std::optional<FilterRuns::Evaluated> made;
   std::string error;
@@ -250,6 +272,7 @@ void Graph::evaluate(const flow::StartEvaluation& action, const std::shared_ptr<
       made = serverRank.filterRuns->evaluate(askerFor(action.evaluation, running), what);
     } catch (const NoRoom& e) {
       error = e.what();
+      running->exchange = 0;
       again = !running->isCancelled && giveUpOldest();
     } catch (const std::exception& e) {
       error = textOf(e);
@@ -284,21 +307,23 @@ void Graph::evaluate(const flow::StartEvaluation& action, const std::shared_ptr<
 
 // Gives up the output that was used longest ago, of those that nobody needs. Without the lock.
 bool Graph::giveUpOldest() {
-  std::vector<std::shared_ptr<const GraphOutput>> before, after;
+  std::map<flow::NodeKey, std::shared_ptr<const GraphOutput>> gone;
   {
     const std::lock_guard lock(mutex_);
     if (isEnded_) return false;
-    for (const auto& [key, output] : outputs_) before.push_back(output);
+    gone = outputs_;
     if (!flow_.makeRoom()) return false;
     act();
-    for (const auto& [key, output] : outputs_) after.push_back(output);
+    std::erase_if(gone, [this](const auto& item) { return outputs_.contains(item.first); });
   }
-  for (const auto& output : before) {
-    const bool isGone = std::find(after.begin(), after.end(), output) == after.end();
-    if (isGone && output->object && output.use_count() == 1 && output->object.use_count() == 1)
-      output->object->drop();
-  }
+  dropUnused(gone);
   return true;
+}
+
+// Waits for the ranks where no other graph and no view has an output. The others are dropped when the last of these lets go.
+void Graph::dropUnused(const std::map<flow::NodeKey, std::shared_ptr<const GraphOutput>>& outputs) {
+  for (const auto& [key, output] : outputs)
+    if (output->object && services_.outputs.removeIfUnused(tenant_, key, output)) output->object->drop();
 }
 
 void Graph::carryOut(const flow::DropOutput& action) {
@@ -356,7 +381,8 @@ void Graph::carryOut(const flow::HoldPicture& action) {
 // The name GRAPH/NODE means what the node was made last, or what it has found again.
 void Graph::giveName(const std::string& node, const flow::NodeKey& key) {
   const auto output = outputs_.find(key);
-  if (output == outputs_.end() || !output->second->object || !document_.dataset(node)) return;
+  const DatasetSpec* spec = document_.dataset(node);
+  if (output == outputs_.end() || !output->second->object || !spec || spec->filter.empty()) return;
   const Key object = output->second->object->key();
   services_.serverRank.datasets->nameOfGraph(tenant_, name_ + "/" + node, object, output->second->type);
   named_[node] = {key, object};

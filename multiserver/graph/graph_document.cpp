@@ -50,7 +50,7 @@ class DocumentReading {
 
   GraphDocument read(json document) {
     out_.json = std::move(document);
-    attempt("document", [&] { checkLimits(); });
+    if (!attempt("document", [&] { checkLimits(); })) return std::move(out_);
     for (const char* key : {"Datasets", "Operators", "Visualizations", "Cameras", "Outputs"}) {
       const std::string name = key;
       const std::string alias = name == "Visualizations" ? "Visualization"
@@ -58,7 +58,7 @@ class DocumentReading {
                                                          : "";
       attempt(name, [&] { makeList(name, alias); });
     }
-    attempt("document", [&] { checkNodes(); });
+    if (!attempt("document", [&] { checkNodes(); })) return std::move(out_);
     readDatasets();
     readOperators();
     readSettings();
@@ -68,15 +68,21 @@ class DocumentReading {
   }
 
  private:
-  /// Problems of `work` are problems of the document at this path.
+  static constexpr size_t kMostProblems = 100;
+  // Each view has a copy of an operator that it names.
+  static constexpr int64_t kMostBytesOfLooks = 64 << 20;
+
+  /// Problems of `work` are problems of the document at this path. Returns false if there are any.
   template <class Work>
-  void attempt(const std::string& path, const Work& work) {
+  bool attempt(const std::string& path, const Work& work) {
     try {
       work();
+      return true;
     } catch (const Error& e) {
       const std::string text = withoutPlace(e.what(), path);
       if (!problems_) throw Error(path + ": " + text);
-      problems_->push_back({path, text});
+      if (problems_->size() < kMostProblems) problems_->push_back({path, text});
+      return false;
     }
   }
 
@@ -237,6 +243,7 @@ class DocumentReading {
     for (const char* key : {"name", "follow", "show", "size", "camera"}) view.erase(key);
     json resolved = json::array();
     if (const auto operators = view.find("operators"); operators != view.end() && operators->is_array()) {
+      checkOperators(operators->size());  // before any is copied
       for (const json& item : *operators) {
         json vis = plain(item);
         if (item.is_string()) {
@@ -257,6 +264,10 @@ class DocumentReading {
     State state = stateOf(view, camera, path);
     look.visualization = std::move(state.visualizations.at(0));
     checkCost(look.visualization);
+    bytesOfLooks_ += bytesOf(look.visualization);
+    if (bytesOfLooks_ > kMostBytesOfLooks)
+      throw Error("`operators`: all views have " + std::to_string(bytesOfLooks_) +
+                  " bytes of them, expected at most " + std::to_string(kMostBytesOfLooks));
     if (!state.cameras.empty()) look.camera = state.cameras[0];
     if (spec.name.empty()) return;
     out_.looks.emplace(spec.name, std::move(look));
@@ -306,6 +317,7 @@ class DocumentReading {
   std::vector<DocumentProblem>* const problems_;
   std::map<std::string, size_t> places_;  // of datasets
   std::map<std::string, json> operators_;
+  int64_t bytesOfLooks_ = 0;
   GraphDocument out_;
 };
 

@@ -38,6 +38,16 @@ class GraphOutputs {
     return found == outputs_.end() ? nullptr : found->second.lock();
   }
 
+  /// Forgets an output that nobody but the caller holds, so that no graph takes it any more. Returns false if others hold it.
+  bool removeIfUnused(const std::string& tenant, const flow::NodeKey& key,
+                      const std::shared_ptr<const GraphOutput>& output) {
+    const std::lock_guard lock(mutex_);
+    if (output.use_count() > 1 || output->object.use_count() > 1) return false;
+    const auto found = outputs_.find({tenant, key});
+    if (found != outputs_.end() && found->second.lock() == output) outputs_.erase(found);
+    return true;
+  }
+
  private:
   mutable std::mutex mutex_;
   std::map<std::pair<std::string, flow::NodeKey>, std::weak_ptr<const GraphOutput>> outputs_;

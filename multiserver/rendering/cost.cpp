@@ -22,13 +22,18 @@ void checkCost(const RenderSettings& settings, glm::ivec2 size) {
   check("primary rays", int64_t(size.x) * size.y * settings.raysPerPixel, kRays);
 }
 
+void checkOperators(size_t count) {
+  constexpr int64_t kOperators = 64;
+  check("operators", int64_t(count), kOperators);
+}
+
 void checkCost(const Visualization& visualization) {
   constexpr int64_t kOcclusion = 256, kLights = 64;
-  constexpr int64_t kOperators = 64, kSurfaces = 256, kClips = 64, kMapPoints = 65536;
+  constexpr int64_t kSurfaces = 256, kClips = 64, kMapPoints = 65536;
   check("ambient-occlusion rays per hit", visualization.lighting.aoCount, kOcclusion);
   check("lights", int64_t(visualization.lighting.sources.size()), kLights);
+  checkOperators(visualization.operators.size());
   // Compiling looks at all data for each isovalue and slice.
-  check("operators", int64_t(visualization.operators.size()), kOperators);
   size_t surfaces = 0, clips = 0, points = 0;
   for (const Vis& vis : visualization.operators) {
     surfaces += vis.isovalues.size() + vis.slices.size();

@@ -12,6 +12,8 @@ namespace gxy {
 /// `size` is in pixels.
 void checkCost(const Visualization& visualization);
 void checkCost(const RenderSettings& settings, glm::ivec2 size);
+/// The same for the number of operators of a visualization.
+void checkOperators(size_t count);
 
 /// Bytes that these take in memory, or somewhat less.
 int64_t bytesOf(const Visualization& visualization);

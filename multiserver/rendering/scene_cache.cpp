@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <tuple>
 #include <utility>
 
 #include "core/comm/error.h"
@@ -135,16 +136,30 @@ bool SceneCache::namesMean(const std::string& tenant, const std::vector<NamedDat
   });
 }
 
+// Data that are adopted meanwhile may be gone from where they were.
+std::pair<std::vector<ObjectGeneration>, std::vector<Pin>> SceneCache::pinnedOf(
+    const GivenData& given) const {
+  const auto whereAll = [&] {
+    std::vector<ObjectGeneration> where;
+    for (const Given& g : given) where.push_back(g.data->where());
+    return where;
+  };
+  for (std::vector<ObjectGeneration> where = whereAll();;) try {
+      return {where, serverRank_.objects.pin(where)};
+    } catch (const Error&) {
+      std::vector<ObjectGeneration> now = whereAll();
+      if (now == where) throw;
+      where = std::move(now);
+    }
+}
+
 SceneCache::HeldData SceneCache::hold(const std::string& tenant, const Visualization& visualization,
                                       ShownSoFar& shown, const PinnedData* known,
                                       const GivenData* given) const {
   HeldData held;
   if (given) {
-    for (const Given& g : *given) {
-      held.where.push_back(g.data->where());
-      held.data.push_back(g.data->shown());
-    }
-    held.pins = serverRank_.objects.pin(held.where);
+    for (const Given& g : *given) held.data.push_back(g.data->shown());
+    std::tie(held.where, held.pins) = pinnedOf(*given);
   } else {
     const auto isKnown = [&](const std::string& name) { return known && known->contains(name); };
     std::vector<std::string> names;

@@ -93,6 +93,7 @@ class SceneCache {
     std::vector<Pin> pins;
     Visualization resolved;
   };
+  std::pair<std::vector<ObjectGeneration>, std::vector<Pin>> pinnedOf(const GivenData& given) const;
   HeldData hold(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown,
                 const PinnedData* pinned, const GivenData* given) const;
   SceneSource sourceOf(const nlohmann::json& parameters) const;

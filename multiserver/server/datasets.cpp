@@ -225,6 +225,9 @@ std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const s
   const auto entry = serverRank_.directory.find(tenant, name, scope);
   if (!entry) return std::nullopt;
   if (entry->ofGraph && !ofGraph) failOfGraph(name);
+  if (!entry->ofGraph && ofGraph)
+    throw Error("dataset " + inQuotes(name) +
+                " is not of the graph, expected another name for it or for the graph's node");
   if (entry->readOnly && entry->owner != tenant)
     throw Error("dataset " + inQuotes(name) + " belongs to " + entry->owner +
                 " and is read-only, expected a name that is free or your own");
@@ -232,9 +235,11 @@ std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const s
 }
 
 void Datasets::nameOfGraph(const std::string& tenant, const std::string& name, Key key, DatasetType type) {
-  const auto now = serverRank_.directory.find(tenant, name, Scope::Private);
-  if (now && (!now->ofGraph || now->key == key)) return;
-  serverRank_.directory.bind(name, Scope::Private, {key, nameOf(type), tenant, false, true});
+  std::optional<DirectoryEntry> now;
+  do {
+    now = serverRank_.directory.find(tenant, name, Scope::Private);
+    if (now && (!now->ofGraph || now->key == key)) return;
+  } while (!serverRank_.directory.bindIf(name, now, {key, nameOf(type), tenant, false, true}));
   const auto kind = now ? DatasetEvent::Kind::Updated : DatasetEvent::Kind::Added;
   tell({kind, {key, name, Scope::Private, nameOf(type), tenant, false, 1, true}, {}, {}});
 }
@@ -242,7 +247,7 @@ void Datasets::nameOfGraph(const std::string& tenant, const std::string& name, K
 void Datasets::unnameOfGraph(const std::string& tenant, const std::string& name, Key key) {
   const auto now = serverRank_.directory.find(tenant, name, Scope::Private);
   if (!now || !now->ofGraph || now->key != key) return;
-  serverRank_.directory.remove(tenant, name, Scope::Private);
+  if (!serverRank_.directory.removeIf(tenant, name, *now)) return;
   tell({DatasetEvent::Kind::Dropped, named(name, Scope::Private, *now), {}, {}});
 }
 
@@ -269,15 +274,10 @@ void Datasets::drop(const std::string& tenant, const std::string& name) {
   dropObject(key);
 }
 
-void Datasets::dropOfGraph(const std::string& tenant, const std::string& name) {
-  Key key;
+void Datasets::dropOfGraph(const std::string& tenant, const std::string& name, Key key) {
   {
     const std::lock_guard naming(naming_);
-    const auto now = serverRank_.directory.find(tenant, name, Scope::Private);
-    if (!now || !now->ofGraph) return;
-    serverRank_.directory.remove(tenant, name, Scope::Private);
-    key = now->key;
-    tell({DatasetEvent::Kind::Dropped, named(name, Scope::Private, *now), {}, {}});
+    unnameOfGraph(tenant, name, key);
   }
   dropObject(key);
 }

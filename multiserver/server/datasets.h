@@ -84,10 +84,14 @@ class Datasets {
   /// after the other. The request's tenant owns them; it is told the progress, and its cancelling ends the import.
   /// Returns what of the files is not used, for their user.
   std::vector<std::string> import(Request& request, const Import& what);
+  struct Imported {
+    std::vector<DatasetDraft> datasets;  ///< what was published
+    std::vector<std::string> warnings;   ///< what of the files is not used
+  };
   /// The same for a tenant, whoever asks. `begun` gets the number of the exchange; whoever does not want the import any more cancels
   /// that. Throws what `asker.check` throws.
-  std::vector<std::string> import(const std::string& tenant, const Asker& asker,
-                                  const std::function<void(uint64_t exchange)>& begun, const Import& what);
+  Imported import(const std::string& tenant, const Asker& asker,
+                  const std::function<void(uint64_t exchange)>& begun, const Import& what);
 
   /// The names under which a request publishes data. Other requests that want one of them wait until this is released.
   class Names {
@@ -152,8 +156,8 @@ class Datasets {
   /// These wait for all ranks. A drop also ends imports and filters of the tenant that are under way and are to publish the
   /// name; where there are such, there need be no dataset.
   void drop(const std::string& tenant, const std::string& name);
-  /// The same of what a graph has imported; nothing if there is none.
-  void dropOfGraph(const std::string& tenant, const std::string& name);
+  /// The same of an object that a graph has imported, which loses the name if it has it.
+  void dropOfGraph(const std::string& tenant, const std::string& name, Key key);
   void rename(const std::string& tenant, const std::string& name, const std::string& newName);
   void move(const std::string& tenant, const std::string& name, Scope to, bool readOnly);
 
@@ -192,8 +196,7 @@ class Datasets {
   std::shared_ptr<const Names> take(const std::set<std::string>& keys, const std::shared_ptr<Names>& names);
   std::shared_ptr<const Names> takeNames(const Asker& asker, const std::shared_ptr<Names>& names);
   void notifyOnCancel(Request& request);
-  std::vector<std::string> importAs(const std::string& tenant, const Asker& asker, uint64_t exchange,
-                                    const Import& what);
+  Imported importAs(const std::string& tenant, const Asker& asker, uint64_t exchange, const Import& what);
   std::shared_ptr<const Names> begin(const Asker& asker, const std::shared_ptr<Names>& names,
                                      bool onlyMissing);
   std::shared_ptr<const Names> namesOf(uint64_t exchange) const;

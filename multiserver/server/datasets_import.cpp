@@ -267,18 +267,18 @@ constexpr size_t kAtOnce = 10000;  // datasets: all ranks are told of all of the
 std::vector<std::string> Datasets::import(Request& request, const Import& what) {
   const auto exchange = serverRank_.exchanges.begin(request);
   notifyOnCancel(request);
-  return importAs(request.session().tenant(), askerOf(request), *exchange, what);
+  return importAs(request.session().tenant(), askerOf(request), *exchange, what).warnings;
 }
 
-std::vector<std::string> Datasets::import(const std::string& tenant, const Asker& asker,
-                                          const std::function<void(uint64_t)>& begun, const Import& what) {
+Datasets::Imported Datasets::import(const std::string& tenant, const Asker& asker,
+                                    const std::function<void(uint64_t)>& begun, const Import& what) {
   const auto exchange = serverRank_.exchanges.begin(asker);
   begun(*exchange);
   return importAs(tenant, asker, *exchange, what);
 }
 
-std::vector<std::string> Datasets::importAs(const std::string& tenant, const Asker& asker, uint64_t exchange,
-                                            const Import& what) {
+Datasets::Imported Datasets::importAs(const std::string& tenant, const Asker& asker, uint64_t exchange,
+                                      const Import& what) {
   if (what.specs.empty()) throw Error("import: there is no dataset in `Datasets`, expected one or more");
   if (what.specs.size() > kAtOnce)
     throw Error("import: there are " + std::to_string(what.specs.size()) + " datasets, expected at most " +
@@ -318,7 +318,7 @@ std::vector<std::string> Datasets::importAs(const std::string& tenant, const Ask
   }
   const auto all = int64_t(names->drafts().size()) * Exchanges::kUnits;
   asker.progress(all, all, "done", true);
-  return warnings;
+  return {names->drafts(), std::move(warnings)};
 }
 
 }  // namespace gxy

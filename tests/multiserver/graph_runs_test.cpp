@@ -140,6 +140,25 @@ TEST(GraphRuns, EqualNodesOfATenantsGraphsShareAnOutput) {
   EXPECT_EQ(c.say("data.list all").at("datasets").size(), 1u);
 }
 
+TEST(GraphRuns, AnOutputThatHasGoneIsMadeAgain) {
+  const auto server = serveGraphs(2);
+  GraphClient c(*server);
+  c.say(importBall("ball"));
+  c.say(newGraph({liveVolume("ball"), copyOf("copy", "ball"), copyOf("next", "copy")}));
+  c.say("graph.run g copy");
+  c.say("graph.wait g");
+  ServerRank& root = server->serverRank();
+  root.callAll("datasets.drop", {{"key", root.datasets->get("user", "g/copy").key.value}});
+  c.untilState("copy", "waiting");
+  c.say("graph.run g");
+  c.say("graph.wait g");
+  EXPECT_EQ(c.state("next"), "done") << c.node("next");
+  EXPECT_EQ(Held::gate().begun, 6);
+  c.say("graph.drop g");
+  c.say("drop ball");
+  EXPECT_EQ(server->serverRank(1).ledger.total("user"), 0);
+}
+
 TEST(GraphRuns, OutputsThatNothingShowsMakeRoomForOthers) {
   ServerRankOptions options;
   options.tenantMemory = 150000;  // a ball takes 5 or 6 of 25 kB, with its bricks

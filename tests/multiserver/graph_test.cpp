@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Module graph: documents, their evaluation on the ranks, and what clients are told.
 #include "tests/multiserver/graph_client.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -75,6 +76,77 @@ TEST(Graph, FilesAreReadWhenTheyAreNeeded) {
   c.say("graph.drop g");
   EXPECT_EQ(c.say("data.list all").at("datasets").size(), 0u);
   EXPECT_EQ(server->serverRank(1).ledger.total("user"), 0);
+}
+
+TEST(Graph, WhatAFileHasBecomeGoesWithItsNodeOrTheGraph) {
+  const auto server = serveGraphs(2);
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  GraphClient c(*server);
+  for (const char* end : {"node", "graph"}) {
+    c.say(newGraph({{{"name", "file"}, {"type", "Volume"}, {"filename", "ball.vol"}},
+                    madeBy("Statistics", "numbers", {{"field", "file"}})}));
+    c.say("graph.run g numbers");
+    c.say("graph.wait g");
+    EXPECT_EQ(c.say("data.list all").at("datasets").size(), 1u);
+    c.edit({{{"set", {"Datasets", "file", "filename"}}, {"to", "twice.vol"}}});  // which nothing reads
+    if (end == std::string("node")) {
+      c.edit({{{"set", {"Datasets"}}, {"to", json::array()}}});
+      until([&] { return c.say("data.list all").at("datasets").empty(); }, "it is dropped");
+    }
+    c.say("graph.drop g");
+    EXPECT_EQ(c.say("data.list all").at("datasets").size(), 0u) << end;
+    for (int r = 0; r < 2; r++) EXPECT_EQ(server->serverRank(r).ledger.total("user"), 0) << end;
+  }
+}
+
+TEST(Graph, ANodeMayBecomeAFilterAndAFileAgain) {
+  const auto server = serveGraphs(2);
+  GraphClient c(*server);
+  c.say(importBall("ball"));
+  const json file{{"name", "node"}, {"type", "Volume"}, {"filename", "ball.vol"}};
+  const json reads = madeBy("Statistics", "numbers", {{"field", "node"}});
+  c.say(newGraph({liveVolume("ball"), file, reads}));
+  for (int i = 0; i < sweep(10); i++) {
+    c.say("graph.run g numbers");
+    if (i % 2) c.say("graph.wait g");
+    c.edit({{{"set", {"Datasets", "node"}}, {"to", copyOf("node", "ball")}}});
+    if (i % 3) c.say("graph.run g numbers");
+    c.edit({{{"set", {"Datasets", "node"}}, {"to", file}}});
+    c.say("graph.run g numbers");
+    c.say("graph.wait g");
+    ASSERT_EQ(c.state("numbers"), "done") << i << ": " << c.node("node");
+    ASSERT_TRUE(c.say("info g/node").at("datasets").at(0).contains("file")) << i;
+  }
+  c.say("graph.drop g");
+  EXPECT_EQ(c.say("data.list all").at("datasets").size(), 1u);
+  c.say("drop ball");
+  EXPECT_EQ(server->serverRank(1).ledger.total("user"), 0);
+}
+
+TEST(Graph, ADatasetOfTheUserKeepsItsNameAndItsData) {
+  const auto server = serveGraphs(2);
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  GraphClient c(*server);
+  c.say(importBall("g/file"));
+  c.say(newGraph({{{"name", "file"}, {"type", "Volume"}, {"filename", "twice.vol"}},
+                  madeBy("Statistics", "numbers", {{"field", "file"}})}));
+  c.say("graph.run g");
+  c.say("graph.wait g");
+  EXPECT_EQ(c.node("file").at("text"),
+            "dataset \"g/file\" is not of the graph, expected another name for it or for the graph's node");
+  c.say("graph.drop g");
+  const json info = c.say("info g/file").at("datasets").at(0);
+  EXPECT_EQ(info.at("generation"), 1);
+  EXPECT_NE(info.at("file").get<std::string>().find("ball.vol"), std::string::npos);
+}
+
+TEST(Graph, ANameWhoseObjectHasGoneIsNotThere) {
+  const auto server = serveGraphs(1);
+  GraphClient c(*server);
+  ServerRank& root = server->serverRank();
+  root.directory.bind("ghost", Scope::Private, {root.keys.next(), "Volume", "user"});
+  c.say(newGraph({liveVolume("ghost")}));
+  EXPECT_EQ(c.state("ghost"), "waiting");
 }
 
 TEST(Graph, AnEditAndItsInverseGiveTheDocumentBack) {
@@ -177,6 +249,29 @@ TEST(Graph, WhatIsMissingIsAState) {
   EXPECT_EQ(c.state("Cinema 0", "output"), "blocked");
 }
 
+TEST(Graph, OperatorsByNameAreLimitedBeforeTheyAreCopied) {
+  const auto server = serveGraphs(1);
+  GraphClient c(*server);
+  json view = viewOf("v", {"ball"});
+  json look = view["operators"][0];
+  look["name"] = "o";
+  look["colormap"] = "Viridis";  // a short text for many points
+  view.erase("camera");
+  json document{{"Datasets", {liveVolume("ball")}}, {"Operators", json::array({look})}};
+  const auto errorOf = [&](size_t views, size_t operators) {
+    view["operators"] = std::vector<std::string>(operators, "o");
+    document["Visualizations"] = json::array();
+    for (size_t i = 0; i < views; i++) {
+      view["name"] = "v" + std::to_string(i);
+      document["Visualizations"].push_back(view);
+    }
+    return c.error("graph.new g " + document.dump());
+  };
+  EXPECT_NE(errorOf(1, 65).find("rendering: 65 operators, expected at most 64"), std::string::npos);
+  EXPECT_NE(errorOf(1000, 64).find("bytes of them, expected at most 67108864"), std::string::npos);
+  EXPECT_EQ(errorOf(1, 64), "");
+}
+
 TEST(Graph, CheckTellsAllThatIsWrong) {
   const auto server = serveGraphs(1);
   GraphClient c(*server);
@@ -189,6 +284,12 @@ TEST(Graph, CheckTellsAllThatIsWrong) {
   for (const json& error : reply.at("errors")) paths.push_back(error.at("path"));
   EXPECT_EQ(paths, (std::vector<std::string>{"Datasets[\"x\"]", "Datasets[2]", "Visualizations[\"v\"]"}));
   EXPECT_EQ(c.say("graph.check {}").at("errors").size(), 0u);
+  json many = json::array();
+  for (int i = 0; i < 1000; i++) many.push_back(3);
+  EXPECT_EQ(c.say("graph.check " + json{{"Datasets", many}}.dump()).at("errors").size(), 100u);
+  many.push_back(3);
+  EXPECT_EQ(c.say("graph.check " + json{{"Datasets", many}}.dump()).at("errors").size(), 1u)
+      << "and nothing of them is read";
   EXPECT_EQ(c.say("graph.list").at("graphs").size(), 0u);
   bool hasSeeds = false;
   const json types = c.say("graph.types");

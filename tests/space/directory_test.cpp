@@ -49,6 +49,20 @@ TEST(Directory, PrivateNamesAreSeenByTheirTenantOnly) {
   EXPECT_EQ(d.list("ann").size(), 1u);
 }
 
+TEST(Directory, ANameChangesOnlyIfItMeansWhatIsExpected) {
+  Directory d;
+  const DirectoryEntry first{{1}, "Volume", "ann"}, second{{2}, "Volume", "ann"};
+  EXPECT_FALSE(d.bindIf("name", second, first)) << "there is none";
+  EXPECT_TRUE(d.bindIf("name", std::nullopt, first));
+  EXPECT_FALSE(d.bindIf("name", std::nullopt, second));
+  EXPECT_FALSE(d.removeIf("ann", "name", second));
+  EXPECT_TRUE(d.bindIf("name", first, second));
+  EXPECT_EQ(d.get("ann", "name"), second);
+  EXPECT_FALSE(d.removeIf("bob", "name", second));
+  EXPECT_TRUE(d.removeIf("ann", "name", second));
+  EXPECT_FALSE(d.find("ann", "name"));
+}
+
 TEST(Directory, ReadOnlyNamesChangeByTheirOwnerOnly) {
   Directory d;
   d.bind("atlas", Scope::Shared, {{1}, "Volume", "ann", true});

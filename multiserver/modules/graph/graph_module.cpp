@@ -95,11 +95,12 @@ json edit(Graphs& graphs, Request& request, Arguments arguments) {
 struct Watched {
   explicit Watched(uint64_t number) : session(number) {}
   ~Watched() {
-    for (const auto& [name, graph] : graphs) graph->unwatch(session);
+    for (const auto& [name, watched] : graphs)
+      if (const auto graph = watched.lock()) graph->unwatch(session);
   }
   const uint64_t session;
   std::mutex mutex;
-  std::map<std::string, std::shared_ptr<Graph>> graphs;
+  std::map<std::string, std::weak_ptr<Graph>> graphs;
 };
 
 std::shared_ptr<Watched> watchedBy(Session& session) {
@@ -114,6 +115,7 @@ json watch(Graphs& graphs, Request& request, Arguments arguments) {
   const auto watched = watchedBy(session);
   const std::lock_guard lock(watched->mutex);
   graph->watch(clientOf(session), session.sharedOutbox());
+  std::erase_if(watched->graphs, [](const auto& item) { return item.second.expired(); });
   watched->graphs[name] = graph;
   return {{"revision", graph->summary().at("revision")}, {"text", ""}};
 }
@@ -125,7 +127,7 @@ json unwatch(Graphs&, Request& request, Arguments arguments) {
   const std::lock_guard lock(watched->mutex);
   const auto found = watched->graphs.find(name);
   if (found == watched->graphs.end()) return nullptr;
-  found->second->unwatch(watched->session);
+  if (const auto graph = found->second.lock()) graph->unwatch(watched->session);
   watched->graphs.erase(found);
   return nullptr;
 }
