@@ -151,7 +151,7 @@ TEST(Export, FilesHaveThePrimitivesAndTheirValues) {
 }
 
 TEST(Export, WhatCannotBeWrittenIsAnErrorAndLeavesNoFile) {
-  ExportServer server(2, 400 << 10);
+  ExportServer server(2, 300 << 10);
   writeBall(server.folder().path().string(), "ball", 32);  // 128 KiB, of which a rank has half with its rim
   server.client->expect(importBall("ball"));
   const int before = server.files();
