@@ -248,8 +248,9 @@ MadeLines makeLines(TracedLines lines, const LineValue& value,
     messages = maker.messages();
   });
   std::vector<Bytes> received = ranks.allToAll(std::move(messages));
-  agree(ranks, [&] { messages = maker.answers(received, made); });
-  received = ranks.allToAll(std::move(messages));
+  std::vector<Bytes> answers;
+  agree(ranks, [&] { answers = maker.answers(received, made); });
+  received = ranks.allToAll(std::move(answers));
   agree(ranks, [&] { maker.makeSegments(received, made); });
   sumUp(made, lines.ends, ranks);
   return made;

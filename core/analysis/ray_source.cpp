@@ -96,7 +96,8 @@ MappedRays cameraRays(const Camera& camera, const Box& within, int rank, int ran
           [=](uint64_t place) {
             const uint64_t pixel =
                 (place / kChunk * uint64_t(ranks) + uint64_t(rank)) * kChunk + place % kChunk;
-            const CameraRay ray = cameraRay(basis, double(pixel % width) + 0.5, double(pixel / width) + 0.5);
+            const uint64_t x = pixel % width, y = pixel / width;
+            const CameraRay ray = cameraRay(basis, double(x) + 0.5, double(y) + 0.5);
             return SampleRay{pixel, ray.origin, ray.direction};
           },
           within};

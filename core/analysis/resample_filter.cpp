@@ -47,10 +47,10 @@ class OwnedPoints {
     piece.points.reserve(size_t(end - first_));
     for (; first_ < end; first_++) {
       const Index3& n = box.points;
-      const glm::dvec3 index(double(box.first[0] + first_ % n[0]),
-                             double(box.first[1] + first_ / n[0] % n[1]),
-                             double(box.first[2] + first_ / n[0] / n[1]));
-      piece.points.push_back(grid_.origin + grid_.spacing * index);
+      const Index3 at{box.first[0] + first_ % n[0], box.first[1] + first_ / n[0] % n[1],
+                      box.first[2] + first_ / n[0] / n[1]};
+      piece.points.push_back(grid_.origin +
+                             grid_.spacing * glm::dvec3(double(at[0]), double(at[1]), double(at[2])));
     }
     return piece;
   }

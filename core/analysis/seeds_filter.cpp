@@ -108,7 +108,8 @@ glm::dvec3 Seeds::point(uint64_t i, const Box& domain) const {
   switch (shape) {
     case Shape::Grid: {
       const uint64_t nx = uint64_t(dimensions[0]), ny = uint64_t(dimensions[1]);
-      const glm::dvec3 cell(double(i % nx), double(i / nx % ny), double(i / nx / ny));
+      const uint64_t x = i % nx, y = i / nx % ny, z = i / nx / ny;
+      const glm::dvec3 cell{double(x), double(y), double(z)};
       const glm::dvec3 n(dimensions[0], dimensions[1], dimensions[2]);
       return in.lo + (cell + 0.5) / n * (in.hi - in.lo);
     }
