@@ -140,6 +140,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
 
   // graph_actions.cpp: what the Flow asks for
   void act();
+  void couldNot(const flow::Action& action, const std::string& text);
   void carryOut(const flow::PinGeneration& action);
   void carryOut(const flow::AdoptGeneration& action);
   void carryOut(const flow::ReleaseGeneration& action);

@@ -35,10 +35,25 @@ void Graph::act() {
   for (std::vector<flow::Action> actions = flow_.take(); !actions.empty(); actions = flow_.take())
     for (const flow::Action& action : actions) try {
         std::visit([this](const auto& a) { carryOut(a); }, action);
-      } catch (const std::exception&) {
-        // Those that follow are carried out all the same.
+      } catch (const std::exception& e) {
+        // The Flow waits for no answer that will not come, and those that follow are carried out all the same.
+        couldNot(action, textOf(e));
       }
   changed_.notify_all();
+}
+
+void Graph::couldNot(const flow::Action& action, const std::string& text) {
+  if (const auto* start = std::get_if<flow::StartEvaluation>(&action)) {
+    running_.erase(start->evaluation);
+    flow_.failed(start->evaluation, text, -1);
+  } else if (const auto* fetched = std::get_if<flow::FetchSource>(&action)) {
+    fetched_.erase(fetched->source);
+    flow_.sourceFailed(fetched->source, text, -1);
+  } else if (const auto* adopted = std::get_if<flow::AdoptGeneration>(&action)) {
+    flow_.refused(adopted->hold, text);
+  } else if (const auto* pinned = std::get_if<flow::PinGeneration>(&action)) {
+    flow_.lost(pinned->data);
+  }
 }
 
 void Graph::carryOut(const flow::PinGeneration& action) {
@@ -294,8 +309,9 @@ void Graph::evaluate(const flow::StartEvaluation& action, const std::shared_ptr<
     output->made.generation = ++generations_[action.node];
     services_.outputs.add(tenant_, action.key, output);
     outputs_[action.key] = output;
-    if (!running->isCancelled) giveName(action.node, action.key);
     flow_.finished(action.evaluation, output->made);
+    // Also where the node has a newer key by now.
+    if (!running->isCancelled) giveName(action.node, action.key);
   } else if (running->isCancelled) {
     flow_.cancelled(action.evaluation);
   } else {

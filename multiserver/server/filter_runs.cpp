@@ -243,8 +243,8 @@ FilterRuns::Made FilterRuns::makeOne(Request& request, const DatasetSpec& entry,
   });
   std::shared_ptr<const Datasets::Names> names;
   if (made) names = serverRank_.datasets->begin(request, *exchange, "make", scope, {{entry.name, *made}});
-  // Inputs are pinned once the name is there: whoever had it may have published what an input is, which needs the room of what is
-  // pinned.
+  // A single filter pins its inputs once the name is there: whoever had it may have published what an input is, which needs the room of
+  // what is pinned. The filters of a document have pinned them at their one moment.
   serverRank_.datasets->pin(tenant, namesIn(entry), pinned);
   checkInputs(filter->schema, entry,
               [&](const std::string& name) { return datasetTypeNamed(pinned.at(name).first.type); });
