@@ -8,6 +8,7 @@
 #include "core/comm/error.h"
 #include "core/comm/wire.h"
 #include "core/data/bricks.h"
+#include "core/data/geometry_bytes.h"
 
 namespace gxy {
 namespace {
@@ -127,19 +128,10 @@ GeometryBlock gatherGeometry(const OwnedGeometry& geometry, Collectives& ranks) 
   std::vector<Bytes> messages(size_t(ranks.size()));
   agree(ranks, [&] {
     ranks.check();
-    const GeometryBlock& b = geometry.block;
-    if (b.ids.empty()) return;
-    messages[0] = Writer()
-                      .write(b.points)
-                      .write(b.normals)
-                      .write(b.values)
-                      .write(b.colors)
-                      .write(b.radiusValues)
-                      .write(b.triangles)
-                      .write(b.segments)
-                      .write(b.neighbours)
-                      .write(b.ids)
-                      .take();
+    if (geometry.block.ids.empty()) return;
+    Writer writer;
+    write(writer, geometry.block);
+    messages[0] = writer.take();
   });
   const std::vector<Bytes> came = ranks.allToAll(std::move(messages));
   GeometryBlock all;
@@ -148,16 +140,7 @@ GeometryBlock gatherGeometry(const OwnedGeometry& geometry, Collectives& ranks) 
     for (const Bytes& message : came) {
       if (message.empty()) continue;
       Reader in(message, "primitives of a rank");
-      GeometryBlock& b = parts.emplace_back();
-      b.points = in.readVector<glm::dvec3>();
-      b.normals = in.readVector<glm::vec3>();
-      b.values = in.readVector<float>();
-      b.colors = in.readVector<glm::vec3>();
-      b.radiusValues = in.readVector<float>();
-      b.triangles = in.readVector<std::array<uint32_t, 3>>();
-      b.segments = in.readVector<std::array<uint32_t, 2>>();
-      b.neighbours = in.readVector<std::array<uint32_t, 2>>();
-      b.ids = in.readVector<uint64_t>();
+      parts.push_back(readBlock(in));
     }
     all = merged(geometry.kind, parts, advanceOf(ranks));
   });

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much memory geometry takes.
+// How much memory geometry takes, and its form in messages.
 #pragma once
 #include <cstdint>
 
+#include "core/comm/wire.h"
 #include "core/data/geometry.h"
 
 namespace gxy {
@@ -14,5 +15,10 @@ inline int64_t bytesOf(const GeometryBlock& b) {
                  bytes(b.radiusValues) + bytes(b.triangles) + bytes(b.segments) + bytes(b.neighbours) +
                  bytes(b.ids));
 }
+
+/// Appends a block to a message.
+void write(Writer& writer, const GeometryBlock& block);
+/// Reads a block that write() has written. Throws Error if the message is too short.
+GeometryBlock readBlock(Reader& reader);
 
 }  // namespace gxy
