@@ -136,8 +136,6 @@ std::vector<std::string> namesIn(const DatasetSpec& entry) {
   return names;
 }
 
-}  // namespace
-
 json describedFilter(const FilterSchema& filter) {
   json inputs = json::array(), properties = json::array();
   for (const FilterPort& port : filter.inputs)
@@ -156,6 +154,19 @@ json describedFilter(const FilterSchema& filter) {
   return {{"name", filter.name}, {"version", filter.version},
           {"help", filter.help}, {"makes", filter.makes ? json(filter.madeText()) : json()},
           {"inputs", inputs},    {"properties", properties}};
+}
+
+}  // namespace
+
+json described(const Filters& filters) {
+  json all = json::array();
+  std::string text = "filters:";
+  for (const std::string& name : filters.names()) {
+    const FilterSchema& filter = *filters.find(name);
+    all.push_back(describedFilter(filter));
+    text += "\n" + name + ": " + filter.help;
+  }
+  return {{"filters", all}, {"text", text}};
 }
 
 void FilterRuns::addWorks() {

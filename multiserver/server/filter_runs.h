@@ -11,8 +11,8 @@
 
 namespace gxy {
 
-/// Returns what clients are told of a filter: its inputs and properties.
-nlohmann::json describedFilter(const FilterSchema& filter);
+/// Returns what clients are told of the filters that there are: `filters`, with their inputs and properties, and `text`.
+nlohmann::json described(const Filters& filters);
 
 /// There is one on each rank. Thread safe. All calls but addWorks() are for rank 0, and wait for all ranks.
 class FilterRuns {

@@ -40,14 +40,7 @@ json make(Request& request) {
 
 json filters(Request& request) {
   protocol::Arguments(request.arguments(), "filters").expectEnd();
-  const Filters& known = request.session().serverRank().filters;
-  json all = json::array();
-  std::string text = "filters:";
-  for (const std::string& name : known.names()) {
-    all.push_back(describedFilter(*known.find(name)));
-    text += "\n" + name + ": " + known.find(name)->help;
-  }
-  return {{"filters", all}, {"text", text}};
+  return described(request.session().serverRank().filters);
 }
 
 }  // namespace

@@ -196,14 +196,7 @@ json check(Graphs& graphs, Request& request, Arguments arguments) {
 
 json types(Graphs&, Request& request, Arguments arguments) {
   arguments.expectEnd();
-  const Filters& known = request.session().serverRank().filters;
-  json all = json::array();
-  std::string text = "filters:";
-  for (const std::string& name : known.names()) {
-    all.push_back(describedFilter(*known.find(name)));
-    text += "\n" + name + ": " + known.find(name)->help;
-  }
-  return {{"filters", all}, {"text", text}};
+  return described(request.session().serverRank().filters);
 }
 
 json drop(Graphs& graphs, Request& request, Arguments arguments) {
