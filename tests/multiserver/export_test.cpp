@@ -7,8 +7,7 @@
 
 #include "core/io/write_geometry.h"
 #include "core/io/write_volume.h"
-#include "multiserver/server/datasets.h"
-#include "tests/multiserver/test_server.h"
+#include "tests/multiserver/datasets_on_ranks.h"
 
 namespace gxy::test {
 namespace {
@@ -32,44 +31,14 @@ struct ExportServer : TestServer {
   std::string import(const std::string& name, const std::string& file, const std::string& type) {
     return "import new " + json{{"Datasets", {{{"name", name}, {"filename", file}, {"type", type}}}}}.dump();
   }
-  std::vector<std::shared_ptr<const Dataset>> parts(const std::string& name) {
-    std::vector<std::shared_ptr<const Dataset>> all;
-    const Key key = serverRank().datasets->get("user", name).key;
-    for (int rank = 0; rank < serverRank().ranks(); rank++)
-      all.push_back(serverRank(rank).objects.pin(key).get<Dataset>());
-    return all;
-  }
-  GeometryBlock gathered(const std::string& name) {
-    std::vector<GeometryBlock> blocks;
-    GeometryKind kind = GeometryKind::Particles;
-    for (const auto& d : parts(name)) {
-      kind = d->geometry->kind;
-      if (!d->geometry->block.ids.empty()) blocks.push_back(d->geometry->block);
-    }
-    return merged(kind, blocks);
-  }
   /// Imports the file that a dataset is exported to, and compares the two.
   void expectSameVolume(const std::string& name) {
     SCOPED_TRACE(name);
     client->expect("export " + name + " copy.vti");
     client->expect(import("copy", "copy.vti", "Volume"));
-    const auto from = parts(name), to = parts("copy");
-    for (size_t rank = 0; rank < from.size(); rank++) {
-      const Volume &a = *from[rank]->volume, &b = *to[rank]->volume;
-      EXPECT_EQ(a.grid, b.grid);
-      EXPECT_EQ(a.components, b.components);
-      EXPECT_EQ(a.stored, b.stored);
-      EXPECT_EQ(a.noDataSamples, b.noDataSamples);
-      ASSERT_EQ(a.ranges.size(), b.ranges.size());
-      for (size_t i = 0; i < a.ranges.size(); i++) {
-        EXPECT_EQ(a.ranges[i].min, b.ranges[i].min);
-        EXPECT_EQ(a.ranges[i].max, b.ranges[i].max);
-      }
-      ASSERT_EQ(a.blocks.size(), b.blocks.size());
-      for (const auto& [partition, block] : a.blocks)
-        EXPECT_TRUE(block.samples == b.blocks.at(partition).samples) << "partition " << partition;
-    }
-    EXPECT_EQ(to[0]->volume->name, "copy:field of it");
+    for (int rank = 0; rank < serverRank().ranks(); rank++)
+      expectSame(*datasetOn(*this, rank, "copy")->volume, *datasetOn(*this, rank, name)->volume);
+    EXPECT_EQ(datasetOn(*this, 0, "copy")->volume->name, "copy:field of it");
   }
   std::string path(const std::string& name) const { return (folder().path() / name).string(); }
   int files() const {
@@ -140,8 +109,8 @@ TEST(Export, FilesHaveThePrimitivesAndTheirValues) {
       SCOPED_TRACE(type + " " + extension);
       server.client->expect("export in out" + extension);
       server.client->expect(server.import("out", "out" + extension, type));
-      EXPECT_EQ(server.gathered("in"), server.gathered("out"));
-      EXPECT_EQ(server.parts("in")[0]->array, server.parts("out")[0]->array);
+      EXPECT_EQ(gathered(server, "in"), gathered(server, "out"));
+      EXPECT_EQ(datasetOn(server, 0, "in")->array, datasetOn(server, 0, "out")->array);
     }
     server.client->expect("drop in");
   };
