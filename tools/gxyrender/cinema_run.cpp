@@ -2,16 +2,13 @@
 #include "tools/gxyrender/cinema_run.h"
 
 #include <algorithm>
-#include <condition_variable>
 #include <filesystem>
 #include <iostream>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "core/annotate/annotations.h"
 #include "core/comm/error.h"
-#include "core/comm/error_text.h"
 #include "core/image/image.h"
 #include "core/image/replace_file.h"
 #include "core/render/renderer.h"
@@ -117,13 +114,6 @@ class CinemaRun {
 
  private:
   /// One rank's part in the pictures under way.
-  struct Progress {
-    std::mutex mutex;
-    std::condition_variable changed;
-    size_t inFlight = 0, done = 0;  ///< on the root
-    std::optional<std::string> error;
-    std::string ending;  ///< the first error of a frame, on the root
-  };
   struct SceneOfGroup {
     size_t scene = 0, place = 0;   ///< `place`: among those of the group
     std::vector<size_t> pictures;  ///< that are missing
@@ -204,60 +194,29 @@ class CinemaRun {
       for (const size_t p : one.pictures) order.emplace_back(&one, p);
     }
     at_.collective.barrier(kRunKey);
-    Progress progress;
-    renderer.onPicture([&](FrameId id, const FrameRequest& request, Picture picture) {
-      std::optional<std::string> error;
-      try {
-        const auto& frame = order.at(size_t(id - before - 1));
-        finish(frame.second, frame.first->place, request.camera, loaded, step, std::move(picture));
-      } catch (const std::exception& e) {
-        error = textOf(e);
-      }
-      const std::lock_guard lock(progress.mutex);
-      if (!progress.error) progress.error = error;
-    });
-    if (at_.root) renderOrder(order, loaded, step, renderer, progress);
-    at_.collective.barrier(kRunKey);
-    renderer.onPicture({});
-    for (const SceneOfGroup& one : scenes) renderer.removeScene(one.place);
-    const std::lock_guard lock(progress.mutex);
-    at_.collective.agree(kRunKey, progress.error);
-    textOfRoot(at_.collective, at_.root, [&] {
-      if (!progress.ending.empty()) throw Error(progress.ending);
-      return std::string();
-    });
-  }
-
-  void renderOrder(const std::vector<std::pair<const SceneOfGroup*, size_t>>& order,
-                   const LoadedState& loaded, size_t step, Renderer& renderer, Progress& progress) {
-    for (const auto& frame : order) {
-      {
-        std::unique_lock lock(progress.mutex);
-        progress.changed.wait(lock, [&] { return progress.inFlight < size_t(options_.concurrent); });
-        progress.inFlight++;
-      }
+    Frames frames;
+    frames.before = before;
+    frames.count = order.size();
+    frames.concurrent = options_.concurrent;
+    frames.request = [&](size_t frame) {
+      const auto& [one, picture] = order[frame];
       FrameRequest request;
-      request.scene = frame.first->place;
-      request.camera = fitted(swept_.pictures[frame.second].camera, loaded.shown[frame.first->place].box);
+      request.scene = one->place;
+      request.camera = fitted(swept_.pictures[picture].camera, loaded.shown[one->place].box);
       request.depth = options_.depth;
-      const auto ended = [&](const std::string& error) {
-        const std::lock_guard lock(progress.mutex);
-        if (progress.ending.empty()) progress.ending = error;
-        progress.inFlight--;
-        progress.done++;
-        if (at_.showProgress)
-          std::cerr << "\rstep " << step + 1 << " of " << steps_.count() << ": " << progress.done << " of "
-                    << order.size() << (progress.done == order.size() ? "\n" : "") << std::flush;
-        progress.changed.notify_all();
-      };
-      try {
-        renderer.render(request, [ended](FrameId, const Renderer::Ending& e) { ended(e.error); });
-      } catch (const std::exception& e) {
-        ended(textOf(e));
-      }
-    }
-    std::unique_lock lock(progress.mutex);
-    progress.changed.wait(lock, [&] { return progress.done == order.size(); });
+      return request;
+    };
+    frames.take = [&](size_t frame, const FrameRequest& request, Picture picture) {
+      finish(order.at(frame).second, order.at(frame).first->place, request.camera, loaded, step,
+             std::move(picture));
+    };
+    frames.show = [&](size_t done) {
+      if (at_.showProgress)
+        std::cerr << "\rstep " << step + 1 << " of " << steps_.count() << ": " << done << " of "
+                  << frames.count << (done == frames.count ? "\n" : "") << std::flush;
+    };
+    renderFrames(frames, renderer, at_);
+    for (const SceneOfGroup& one : scenes) renderer.removeScene(one.place);
   }
 
   /// Annotates and writes a picture, on the rank that has it.

@@ -5,10 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <condition_variable>
+#include <atomic>
 #include <filesystem>
 #include <iostream>
-#include <mutex>
 #include <optional>
 
 #include "backends/registry/backends.h"
@@ -32,16 +31,6 @@
 using namespace gxy;
 
 namespace {
-
-// The first error of each rank's pictures, and what writing them took; on rank 0 that of the frames, and how many are under way and done.
-struct Progress {
-  std::mutex mutex;
-  std::condition_variable changed;
-  int inFlight = 0, done = 0;
-  std::optional<std::string> error;
-  double cpuPictures = 0;
-  std::string ending;
-};
 
 Bytes toBytes(const std::string& s) {
   const auto* p = reinterpret_cast<const std::byte*>(s.data());
@@ -120,64 +109,32 @@ Steps readOnAll(const RenderOptions& options, Collective& collective, bool root)
 
 // Returns the processor time of writing pictures.
 double renderAll(const State& state, const LoadedState& loaded, const RenderOptions& options,
-                 Renderer& renderer, Collective& collective, bool root, bool showProgress) {
-  Progress progress;
-  const size_t n = state.visualizations.size();
-  renderer.onPicture([&](FrameId id, const FrameRequest&, Picture picture) {
+                 Renderer& renderer, const Place& at) {
+  std::atomic<double> cpuPictures = 0;
+  const size_t n = state.visualizations.size();  // frames are camera-major
+  Frames frames;
+  frames.count = state.cameras.size() * n;
+  frames.concurrent = options.concurrent;
+  frames.request = [&](size_t frame) {
+    FrameRequest request;
+    request.scene = frame % n;
+    request.camera = loaded.camera(state, frame % n, frame / n);
+    request.depth = options.depth;
+    return request;
+  };
+  frames.take = [&](size_t frame, const FrameRequest&, Picture picture) {
     const double cpu = threadCpuSeconds();
-    std::optional<std::string> error;
-    try {
-      const size_t index = size_t(id - 1);  // frames are started in camera-major order, numbered from 1
-      annotate(picture, state, loaded, options, index % n, index / n);
-      writePicture(pictureName(state, options, index % n, index / n), options, std::move(picture));
-    } catch (const std::exception& e) {
-      error = textOf(e);
-    }
-    std::lock_guard lock(progress.mutex);
-    progress.cpuPictures += threadCpuSeconds() - cpu;
-    if (!progress.error) progress.error = error;
-  });
-  if (root) {
-    const int total = int(state.cameras.size() * state.visualizations.size());
-    auto show = [&](int done) {
-      if (showProgress)
-        std::cerr << "\rrendered " << done << " of " << total << (done == total ? "\n" : "") << std::flush;
-    };
-    for (size_t c = 0; c < state.cameras.size(); c++)
-      for (size_t v = 0; v < state.visualizations.size(); v++) {
-        {
-          std::unique_lock lock(progress.mutex);
-          progress.changed.wait(lock, [&] { return progress.inFlight < options.concurrent; });
-          progress.inFlight++;
-        }
-        FrameRequest request;
-        request.scene = v;
-        request.camera = loaded.camera(state, v, c);
-        request.depth = options.depth;
-        const auto ended = [&](const std::string& error) {
-          std::lock_guard lock(progress.mutex);
-          if (progress.ending.empty()) progress.ending = error;
-          progress.inFlight--;
-          show(++progress.done);
-          progress.changed.notify_all();
-        };
-        try {
-          renderer.render(request, [ended](FrameId, const Renderer::Ending& e) { ended(e.error); });
-        } catch (const std::exception& e) {
-          ended(textOf(e));
-        }
-      }
-    std::unique_lock lock(progress.mutex);
-    progress.changed.wait(lock, [&] { return progress.done == total; });
-  }
-  collective.barrier(kRunKey);
-  renderer.onPicture({});
-  std::lock_guard lock(progress.mutex);
-  collective.agree(kRunKey, progress.error);
-  // names the rank where a frame failed, so told as it is
-  const Bytes ending = collective.broadcast(kRunKey, 0, toBytes(progress.ending));
-  if (!ending.empty()) throw Error(toString(ending));
-  return progress.cpuPictures;
+    annotate(picture, state, loaded, options, frame % n, frame / n);
+    writePicture(pictureName(state, options, frame % n, frame / n), options, std::move(picture));
+    cpuPictures += threadCpuSeconds() - cpu;
+  };
+  frames.show = [&](size_t done) {
+    if (at.showProgress)
+      std::cerr << "\rrendered " << done << " of " << frames.count << (done == frames.count ? "\n" : "")
+                << std::flush;
+  };
+  renderFrames(frames, renderer, at);
+  return cpuPictures;
 }
 
 // Renders all pictures of one step. Returns what its visualizations have shown.
@@ -212,7 +169,7 @@ std::vector<ShownSoFar> renderStep(const State& state, const std::string& direct
   phases.compile = wallSeconds() - begin - phases.load;
 
   const double start = wallSeconds(), cpu = cpuSeconds();
-  phases.cpuPictures = renderAll(state, loaded, options, renderer, at.collective, at.root, at.showProgress);
+  phases.cpuPictures = renderAll(state, loaded, options, renderer, at);
   phases.render = wallSeconds() - start;
   phases.cpuRender = cpuSeconds() - cpu;
   phases.total = wallSeconds() - begin;

@@ -13,6 +13,7 @@
 #include "core/comm/collectives.h"
 #include "core/comm/mpi_transport.h"
 #include "core/rays/backend.h"
+#include "core/render/renderer.h"
 #include "core/scene/collection_file.h"
 #include "core/scene/scene.h"
 #include "core/space/ledger.h"
@@ -57,5 +58,18 @@ struct Place {
 /// Collective: returns on all ranks the text that `make` gives on the root. If it throws there, all throw Error with its message, told
 /// without a rank.
 std::string textOfRoot(Collective& collective, bool root, const std::function<std::string()>& make);
+
+/// Frames that are rendered one after the other, several at once. Frame 0 is the one that the Renderer begins after `before` others.
+struct Frames {
+  FrameId before = 0;
+  size_t count = 0;
+  int concurrent = 1;
+  std::function<FrameRequest(size_t frame)> request;  ///< called on the root
+  /// Called on the rank that has the frame's picture, by any thread, for several frames at once. It may throw.
+  std::function<void(size_t frame, const FrameRequest&, Picture)> take;
+  std::function<void(size_t done)> show = [](size_t) {};  ///< called on the root, once a frame has ended
+};
+/// Collective. Renders them. Throws Error on all ranks if a frame fails or take() throws, once all have ended.
+void renderFrames(const Frames& frames, Renderer& renderer, const Place& at);
 
 }  // namespace gxy
