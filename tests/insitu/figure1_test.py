@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""figure1_test.py SOURCE PROGRAMS MPIEXEC...: figure 1 of the Galaxy paper, from a simulation that runs. simsim publishes two steps. A trigger has the
-server make seeds on an isosurface, lines of the gradient through them, and a picture of each step with slices of another field. The
-pictures are those that gxyrender makes of the steps' files with the same state file, on 1, 2 and 4 ranks, to the bit."""
+"""figure1_test.py SOURCE PROGRAMS MPIEXEC...: figure 1 of the Galaxy paper, from a simulation that runs, on servers of 1, 2 and 4 ranks. simsim
+publishes two steps. A trigger has the server make seeds on an isosurface, lines of the gradient through them, and a picture of each step
+with slices of another field. These pictures, and the last step in a window on a view of a graph, are those that gxyrender makes of the
+steps' files with the same state file, on as many ranks, to the bit."""
 import json
 import os
 import pathlib
@@ -34,18 +35,18 @@ class Figure1(unittest.TestCase):
             (self.folder / "state.json").write_text(json.dumps(state))
             self.run_here(PROGRAMS / "gxydata", "radial", "-r", 24, "begin.vti")
             self.run_here(PROGRAMS / "gxydata", "radial", "-r", 24, "-t", 4, "end.vti")
-            seen = self.publish(state)
-            for step in (1, 2):
-                for ranks in (1, 2, 4):
-                    with self.subTest(step=step, ranks=ranks):
-                        self.assertEqual(self.render(step, ranks), seen[step])
-            self.assertNotEqual(seen[1], seen[2])
+            for ranks in (1, 2, 4):
+                with self.subTest(ranks=ranks):
+                    seen = self.publish(state, ranks)
+                    for step in (1, 2):
+                        self.assertEqual(self.render(step, ranks), seen[step], f"step {step}")
+                    self.assertNotEqual(seen[1], seen[2])
             for kind in ("PathLines", "Particles", "Volume"):
                 self.assert_seen(state, kind, seen[1])
 
-    def publish(self, state):
-        """The pictures of the steps that simsim publishes from three ranks."""
-        server = Server(PROGRAMS, MPIEXEC, 2, ["--data", str(self.folder)])
+    def publish(self, state, ranks):
+        """The pictures of the steps that simsim publishes from three ranks to a server of so many."""
+        server = Server(PROGRAMS, MPIEXEC, ranks, ["--data", str(self.folder)])
         try:
             options = {"time-out": 60, "triggers": [{"name": "movie", "when": {"every": 1}, "do": "batch", "exact": True,
                                                      "batch": {"prefix": "seen-{step}", "state": state}}]}
@@ -59,10 +60,25 @@ class Figure1(unittest.TestCase):
                 while client.request("insitu.streams")["streams"]:  # and so what the trigger has begun
                     self.assertLess(time.monotonic(), end)
                     time.sleep(0.05)
+                self.show_graph(client, state)
                 client.request("quit")
         finally:
             self.assertEqual(server.stop(), 0)
-        return {step: (self.folder / f"seen-{step:08}_00000.png").read_bytes() for step in (1, 2)}
+        seen = {step: (self.folder / f"seen-{step:08}_00000.png").read_bytes() for step in (1, 2)}
+        self.run_here(PROGRAMS / "gxydiff", "--alpha", "graph.png", "seen-00000002_00000.png")
+        return seen
+
+    def show_graph(self, client, state):
+        """Leaves the picture of a view of a graph with the same document, which shows the last step."""
+        document = json.loads(json.dumps(state))
+        document["Visualization"]["name"] = "figure"
+        client.request("load graph")
+        client.request(f"graph.new fig1 {json.dumps(document)}")
+        window = client.window(1, size=state["Camera"]["dimensions"])
+        client.request('viewer.show 1 {"graph": "fig1", "view": "figure"}')
+        nodes = client.request("graph.wait fig1")["nodes"]
+        self.assertEqual({node["state"] for node in nodes}, {"done"}, nodes)
+        galaxy.write_png(self.folder / "graph.png", window.render().rgba)
 
     def render(self, step, ranks, state="state.json"):
         files = [word for field in FIELDS for word in ("--dataset", f"simsim.{field}=simsim-{step}.vti")]
