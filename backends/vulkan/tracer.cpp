@@ -206,12 +206,13 @@ void Tracer::collect(const std::shared_ptr<State>& state) {
     if (error.empty()) {
       std::lock_guard lock(state->mutex);
       batch->addAsked(state->countAsked());
-      if (more) state->underWay.push_back(std::move(batch));
+      if (more) {
+        state->underWay.push_back(std::move(batch));
+        continue;
+      }
     }
-    if (!more) {
-      state->end(*batch, error);
-      if (!error.empty()) state->feed();  // its lane is gone, so what waits is started without it
-    }
+    state->end(*batch, error);
+    if (!error.empty()) state->feed();  // its lane is gone, so what waits is started without it
   }
 }
 
