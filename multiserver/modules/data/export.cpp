@@ -60,10 +60,14 @@ struct ExportWork {
     }
     const int64_t own = bytesOf(d.geometry->block);
     constexpr int64_t kPrimitive = 200;  // its points with all that they may have, and its indices
-    return root ? own + 3 * kPrimitive * int64_t(d.geometry->primitives) : own;
+    int64_t floats = 0;                  // of further fields at each of at most three points
+    for (const PointFieldInfo& f : d.geometry->fields) floats += f.components;
+    const int64_t primitive = kPrimitive + 3 * floats * int64_t(sizeof(float));
+    return root ? own + 3 * primitive * int64_t(d.geometry->primitives) : own;
   }
 
   static std::string arrayOf(const Dataset& d) {
+    if (d.geometry && !d.geometry->array.empty()) return d.geometry->array;
     if (!d.array.empty()) return d.array;
     std::string name = d.volume ? d.volume->name : d.geometry->name;
     if (!d.file.empty()) {  // FILE:ARRAY of a volume, FILE of geometry
