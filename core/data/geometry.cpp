@@ -361,6 +361,10 @@ Range rangeOf(const GeometryBlock& block) {
   return range;
 }
 
+bool repeatsValues(const GeometryBlock& block, const PointField& field, const std::string& array) {
+  return !block.values.empty() && field.components == 1 && field.name == array;
+}
+
 std::optional<Range> radiusRangeOf(const GeometryBlock& block) {
   if (block.radiusValues.empty()) return {};
   Range range;

@@ -96,6 +96,9 @@ int64_t bytesOf(const Geometry& geometry);
 Box boxOf(const GeometryBlock& block);
 Range rangeOf(const GeometryBlock& block);
 
+/// Whether a field of a block has the name of its values, `array`, and one component: where both are written, it is left out.
+bool repeatsValues(const GeometryBlock& block, const PointField& field, const std::string& array);
+
 /// The range of a block's radiusValues; nothing if the values give the radii.
 std::optional<Range> radiusRangeOf(const GeometryBlock& block);
 

@@ -92,7 +92,7 @@ void setPoints(vtkPointSet* set, const GeometryBlock& block, const std::string& 
   if (!block.colors.empty() && !bytes)
     set->GetPointData()->SetScalars(colorArray<vtkFloatArray>(block.colors, [](float c) { return c; }));
   for (const PointField& f : block.fields) {
-    if (isWrittenAsValues(block, f, array)) continue;
+    if (repeatsValues(block, f, array)) continue;
     const auto values = vtkSmartPointer<vtkFloatArray>::New();
     values->SetName(f.name.c_str());
     values->SetNumberOfComponents(f.components);
@@ -254,7 +254,7 @@ void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiec
     text += "      <PDataArray type=\"" + std::string(haveBytes(like.colors) ? "UInt8" : "Float32") +
             "\" Name=\"RGB\" NumberOfComponents=\"3\"/>\n";
   for (const PointField& f : like.fields)
-    if (!isWrittenAsValues(like, f, array))
+    if (!repeatsValues(like, f, array))
       text += "      <PDataArray type=\"Float32\" Name=\"" + escaped(f.name) + "\" NumberOfComponents=\"" +
               std::to_string(f.components) + "\"/>\n";
   if (!like.normals.empty())

@@ -25,9 +25,6 @@ void writeGeometry(const std::string& path, const GeometryBlock& block, Geometry
 /// lines, polygons and strips. Throws Error if a file cannot be read or written.
 bool copyGeometry(const std::string& from, const std::string& to);
 
-/// Whether a field is left out of files because the values have its name.
-bool isWrittenAsValues(const GeometryBlock& block, const PointField& field, const std::string& array);
-
 /// haveBytes(): whether all components of colours are multiples of 1/255, so that files can have them in
 /// bytes. byteOf() converts a component to such a byte.
 bool haveBytes(const std::vector<glm::vec3>& colors);

@@ -48,10 +48,6 @@ std::string propertyName(std::string name, std::set<std::string>& taken) {
 
 }  // namespace
 
-bool isWrittenAsValues(const GeometryBlock& block, const PointField& field, const std::string& array) {
-  return !block.values.empty() && field.components == 1 && field.name == array;
-}
-
 uint8_t byteOf(float component) { return uint8_t(std::lround(component * 255)); }
 
 bool haveBytes(const std::vector<glm::vec3>& colors) {
@@ -69,7 +65,7 @@ void writeCsv(const std::string& path, const GeometryBlock& block, const std::st
   if (!block.radiusValues.empty()) text += ",radius";
   std::vector<const PointField*> fields;
   for (const PointField& f : block.fields) {
-    if (isWrittenAsValues(block, f, array)) continue;
+    if (repeatsValues(block, f, array)) continue;
     fields.push_back(&f);
     for (int c = 0; c < f.components; ++c) text += ',' + quotedColumn(componentName(f, c, ':'));
   }

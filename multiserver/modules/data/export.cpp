@@ -8,10 +8,10 @@
 
 #include "core/comm/error.h"
 #include "core/data/gather.h"
-#include "core/data/geometry_bytes.h"
 #include "core/io/write_geometry.h"
 #include "core/io/write_volume.h"
 #include "core/scene/dataset_type.h"
+#include "multiserver/modules/data/gathering.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/exchanges.h"
 
@@ -19,8 +19,6 @@ namespace gxy {
 namespace {
 
 using nlohmann::json;
-
-constexpr int64_t kSlabBytes = 8 << 20;
 
 /// On each rank.
 struct ExportWork {
@@ -39,7 +37,7 @@ struct ExportWork {
     agree(part.ranks, [&] {
       pin = serverRank.objects.pin(Key{key}, generation);
       dataset = pin.get<Dataset>();
-      memory = serverRank.takeMemory(tenant, "export", bytesFor(*dataset, serverRank.rank() == 0));
+      memory = serverRank.takeMemory(tenant, "export", gatheringBytes(*dataset, serverRank.rank() == 0));
       if (serverRank.rank() == 0) file.emplace(serverRank.folders, path);
     });
     if (dataset->volume)
@@ -52,38 +50,13 @@ struct ExportWork {
     return nullptr;
   }
 
-  /// An upper bound of what gathering takes.
-  static int64_t bytesFor(const Dataset& d, bool root) {
-    if (d.volume) {
-      const int64_t slice = gatheredSliceBytes(*d.volume);
-      return 2 * std::min(std::max(kSlabBytes, slice), slice * gatheredPoints(d.volume->grid)[2]);
-    }
-    const int64_t own = bytesOf(d.geometry->block);
-    constexpr int64_t kPrimitive = 200;  // its points with all that they may have, and its indices
-    int64_t floats = 0;                  // of further fields at each of at most three points
-    for (const PointFieldInfo& f : d.geometry->fields) floats += f.components;
-    const int64_t primitive = kPrimitive + 3 * floats * int64_t(sizeof(float));
-    return root ? own + 3 * primitive * int64_t(d.geometry->primitives) : own;
-  }
-
-  static std::string arrayOf(const Dataset& d) {
-    if (d.geometry && !d.geometry->array.empty()) return d.geometry->array;
-    if (!d.array.empty()) return d.array;
-    std::string name = d.volume ? d.volume->name : d.geometry->name;
-    if (!d.file.empty()) {  // FILE:ARRAY of a volume, FILE of geometry
-      const size_t file = std::filesystem::path(d.file).stem().string().size();
-      name = name.size() > file ? name.substr(file + 1) : "";
-    }
-    return name.empty() ? "data" : name;
-  }
-
   static void writeVolume(const Dataset& d, Collectives& ranks,
                           const std::optional<DataFolders::NewFile>& file) {
     const Volume& volume = *d.volume;
     std::optional<VolumeWriter> writer;
     agree(ranks, [&] {
       if (!file) return;
-      ArrayInfo array{arrayOf(d), gatheredType(volume), volume.components, {}, volume.grid.rim};
+      ArrayInfo array{arrayName(d), gatheredType(volume), volume.components, {}, volume.grid.rim};
       writer.emplace(file->partial(), volume.grid, std::vector{std::move(array)});
     });
     gatherSlices(volume, *d.partitioning, ranks, kSlabBytes,
@@ -94,7 +67,7 @@ struct ExportWork {
                               const std::optional<DataFolders::NewFile>& file) {
     const GeometryBlock all = gatherGeometry(*d.geometry, ranks);
     agree(ranks, [&] {
-      if (file) writeGeometry(file->partial(), all, d.geometry->kind, arrayOf(d));
+      if (file) writeGeometry(file->partial(), all, d.geometry->kind, arrayName(d));
     });
   }
 };
