@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/analysis/made_geometry.h"
 #include "core/analysis/sampled_points.h"
 #include "core/comm/error.h"
 
@@ -32,7 +33,16 @@ class RayPlan {
  public:
   RayPlan(const RaySampler& filter, const FilterRun& run) : filter_(filter), run_(run) {
     if (filter.operators.empty()) throw Error("RaySampler: there are no `operators`, expected one or more");
-    if (!filter.values.empty()) source.recorded = 1 + fieldOf(filter.values, "`values`");
+    std::vector<FilterSource> values;
+    for (const std::string& name : filter.values) {
+      values.push_back(rayVolume(run, name, "`values`"));
+      take(values.back());
+      values.back().name = name;  // what the entry calls it
+    }
+    recorded = sampledVolumes(values, "RaySampler");
+    source.fields = recorded.sampled;
+    source.recorded = int(recorded.sampled.size());
+    source.gradient = filter.gradient;
     for (const RaySampler::Target& target : filter.operators) add(target);
     source.scene.partitioning = partitioning_;
     source.priority.tenant = run.services().turn;
@@ -40,6 +50,7 @@ class RayPlan {
   }
 
   SamplingSource source;
+  SampledVolumes recorded;
   Box box;       ///< of all that can be met
   Box firstBox;  ///< of the first operator's dataset
   std::shared_ptr<const Partitioning> partitioning() const { return partitioning_; }
@@ -56,7 +67,7 @@ class RayPlan {
     const FilterSource& from = rayVolume(run_, name, of);
     take(from);
     for (size_t i = 0; i < source.fields.size(); i++)
-      if (source.fields[i].volume == from.data->volume) return int(i);
+      if (source.fields[i].volume == from.data->volume && source.fields[i].component < 0) return int(i);
     source.fields.push_back({from.data->volume, -1});
     return int(source.fields.size()) - 1;
   }
@@ -166,9 +177,12 @@ FilterResult RaySampler::run(FilterRun& run) const {
   run.begin(items - 1, items, "sending rays");
   TakenSamples samples = sampler.sample(sampling, rays, run.ranks, enter);
   FilterResult result;
-  result.dataset = sampledPoints(run, "ray points", std::move(samples), UINT64_MAX, plan->partitioning());
+  result.dataset = sampledPoints(run, "ray points", std::move(samples), UINT64_MAX, plan->partitioning(),
+                                 plan->recorded, gradient);
   result.told = {{"particles", result.dataset->geometry->primitives},
                  {"rays", sumOfCounts(run.ranks, raysBegun(*rays))}};
+  if (const auto fields = toldOfPoints(*result.dataset->geometry); !fields.empty())
+    result.told["fields"] = fields;
   return result;
 }
 

@@ -36,8 +36,9 @@ struct RaySampler {
   std::string points;             ///< an input
   glm::dvec3 direction{0, 0, 1};  ///< of rays from points
   std::optional<Camera> camera;
-  std::string values;  ///< the input whose values the points get; empty: none
-  int seed = 0;        ///< of lines
+  std::vector<std::string> values;  ///< the inputs whose values the points get; the first is shown
+  bool gradient = false;            ///< points get the gradient of the volume that was met
+  int seed = 0;                     ///< of lines
 
   static FilterInfo info();
   static std::vector<KeyRow<RaySampler>> properties();

@@ -70,10 +70,14 @@ int64_t gatheringBytes(const Dataset& dataset, bool root) {
   }
   const int64_t own = bytesOf(dataset.geometry->block);
   constexpr int64_t kPrimitive = 200;  // its points with all that they may have, and its indices
-  return root ? own + 3 * kPrimitive * int64_t(dataset.geometry->primitives) : own;
+  int64_t floats = 0;                  // of further fields at each of at most three points
+  for (const PointFieldInfo& f : dataset.geometry->fields) floats += f.components;
+  const int64_t primitive = kPrimitive + 3 * floats * int64_t(sizeof(float));
+  return root ? own + 3 * primitive * int64_t(dataset.geometry->primitives) : own;
 }
 
 std::string arrayName(const Dataset& dataset) {
+  if (dataset.geometry && !dataset.geometry->array.empty()) return dataset.geometry->array;
   if (!dataset.array.empty()) return dataset.array;
   std::string name = dataset.volume ? dataset.volume->name : dataset.geometry->name;
   if (!dataset.file.empty()) {  // FILE:ARRAY of a volume, FILE of geometry

@@ -171,6 +171,8 @@ void readDatasetType(const Found& found, DatasetSpec& dataset) {
   dataset.type = *type;
 }
 
+constexpr size_t kMostFieldsOfDataset = 256;
+
 const Schema<DatasetSpec>& datasetSchema() {
   using D = DatasetSpec;
   static const Schema<D> schema{
@@ -198,6 +200,20 @@ const Schema<DatasetSpec>& datasetSchema() {
               [](const D& d) { return d.radiusArray.empty() ? OrderedJson() : OrderedJson(d.radiusArray); })
               .only(1u << unsigned(DatasetType::Particles) | 1u << unsigned(DatasetType::PathLines))
               .byDefault("`array`"),
+          customKey<D>(
+              "fields", "text or list of texts",
+              "Which further arrays of the file's points are read. Operators show them by `array`, and files "
+              "that are exported have them.",
+              [](const Found& f, D& d) {
+                readOneOrMany(f, [&](const Found& name) {
+                  if (d.fields.size() == kMostFieldsOfDataset) name.fail("at most 256 arrays");
+                  if (std::count(d.fields.begin(), d.fields.end(), name.text())) name.fail("each array once");
+                  if (d.type != DatasetType::Volume) d.fields.push_back(name.text());
+                });
+              },
+              [](const D& d) { return d.fields.empty() ? OrderedJson() : OrderedJson(d.fields); })
+              .only(~(1u << unsigned(DatasetType::Volume)))
+              .byDefault("none"),
           colorKey("color", &D::color,
                    "Colour of geometry whose file has neither values to map nor colours. Values that are NaN "
                    "have the operator's `nan color`.")

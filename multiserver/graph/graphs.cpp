@@ -26,6 +26,7 @@ json adoptHere(ServerRank& serverRank, const json& p) {
     adopted->file = from->file;
     adopted->array = from->array;
     adopted->radiusArray = from->radiusArray;
+    adopted->fields = from->fields;
     adopted->stream = from->stream;
     adopted->color = from->color;
     adopted->partitioning = from->partitioning;

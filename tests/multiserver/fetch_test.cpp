@@ -133,6 +133,28 @@ TEST(Fetch, GeometryComesByAscendingIds) {
   }
 }
 
+TEST(Fetch, AllFieldsOfPointsCome) {
+  GeometryBlock points;
+  points.fields = {{"velocity", 3, {}}, {"age", 1, {}}};
+  for (int i = 0; i < 20; i++) {
+    points.points.push_back({i, 0.5 * i, 1});
+    points.values.push_back(float(2 * i));
+    points.fields[0].values.insert(points.fields[0].values.end(), {float(i), 1, 2});
+    points.fields[1].values.push_back(float(-i));
+    points.ids.push_back(uint64_t(i));
+  }
+  FetchServer server(3);
+  writeGeometry(server.path("in.vtp"), points, GeometryKind::Particles, "how much");
+  server.client->expect(
+      R"(import new {"Datasets": [{"name": "in", "filename": "in.vtp", "type": "Particles", "array": "how much",
+         "fields": ["velocity", "age", "how much"]}]})");
+  const FetchJson reply = server.client->expect("fetch in");
+  EXPECT_EQ(server.arrays.count(), 5u) << "what is shown comes once";
+  EXPECT_EQ(server.arrays.of<float>("field how much", "float32", 1), points.values);
+  EXPECT_EQ(server.arrays.of<float>("field velocity", "float32", 3), points.fields[0].values);
+  EXPECT_EQ(server.arrays.of<float>("field age", "float32", 1), points.fields[1].values);
+}
+
 TEST(Fetch, ErrorsAreOneAnswerAndLeaveNothing) {
   FetchServer server(2, 300 << 10);
   writeBall(server.folder().path().string(), "ball", 32);  // 128 KiB, of which a rank has half with its rim

@@ -83,6 +83,7 @@ class Loader {
       } else {
         ValuesWanted wanted(d.array);
         wanted.radii = d.radiusArray;
+        wanted.fields = d.fields;
         const LoadedGeometry& g =
             read_.emplace(d.name, loadGeometry(pathOf(d), *geometryKindOf(d.type), wanted, ranks_))
                 .first->second;

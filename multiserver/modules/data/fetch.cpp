@@ -77,6 +77,18 @@ FetchedJson field(const std::string& name, const char* type, int components) {
   return {{"field", name}, {"type", type}, {"components", components}};
 }
 
+/// A field of points. Its values stand together by points.
+void sendField(const PointField& of, const SendPart& send) {
+  const auto n = size_t(of.components);
+  const SentArray array{field(of.name, "float32", of.components), int64_t(of.values.size() / n),
+                        int64_t(n * sizeof(float))};
+  const size_t atOnce = std::max<size_t>(size_t(kSlabBytes) / (n * sizeof(float)), 1) * n;
+  for (size_t first = 0; first < of.values.size(); first += atOnce)
+    sendPart(array, int64_t(first / n),
+             std::as_bytes(std::span(of.values).subspan(first, std::min(atOnce, of.values.size() - first))),
+             send);
+}
+
 /// On each rank.
 struct FetchWork {
   uint64_t exchange = 0, key = 0, generation = 0;
@@ -122,7 +134,10 @@ struct FetchWork {
       sendArray(structure("segments", "uint32", 2), all.segments, send);
       sendArray(structure("triangles", "uint32", 3), all.triangles, send);
       sendArray(structure("ids", "uint64", 1), all.ids, send);
-      sendArray(field(arrayName(d), "float32", 1), all.values, send);
+      const std::string array = arrayName(d);
+      sendArray(field(array, "float32", 1), all.values, send);
+      for (const PointField& f : all.fields)
+        if (!repeatsValues(all, f, array)) sendField(f, send);
       sendArray(field(d.array.empty() ? "colors" : d.array, "float32", 3), all.colors, send);
       if (!d.radiusArray.empty()) sendArray(field(d.radiusArray, "float32", 1), all.radiusValues, send);
     });
