@@ -22,7 +22,8 @@ struct ViewSpec {
 /// What is done with data beside showing them: files, pictures. It needs them whether or not there is a window.
 struct OutputSpec {
   std::string name;
-  std::string of;  ///< a dataset or a view
+  std::string of;      ///< a dataset or a view
+  std::string what{};  ///< what is made; any text. Another text is another output
   bool operator==(const OutputSpec&) const = default;
 };
 

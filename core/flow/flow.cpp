@@ -20,6 +20,9 @@ uint64_t Flow::edit(const Document& document, bool live) {
   auto compiled = std::make_shared<const CompiledDocument>(document, filters_);
   if (document == document_->document()) return revision_;
   resetChangedFiles(*compiled);
+  for (const OutputSpec& output : document_->document().outputs)
+    if (std::count(document.outputs.begin(), document.outputs.end(), output) == 0)
+      shown_.erase({TargetId::Kind::Output, output.name});
   document_ = std::move(compiled);
   keys_ = std::make_shared<NodeKeys>(document_);
   revision_++;
@@ -163,6 +166,7 @@ void Flow::run() {
   stock_.failures.clear();
   for (const Target& target : demanded()) {
     allowed_.insert(target.id);
+    if (target.id.kind == TargetId::Kind::Output) shown_.erase(target.id);
     shown_[target.id].isAsked = true;
   }
   ask(document_->everything());

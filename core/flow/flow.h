@@ -75,7 +75,8 @@ class Flow {
   /// Nothing new begins until resume(), but for what run() asks for.
   void pause();
   void resume();
-  /// Evaluates all nodes once, or one with what it needs, with the newest data; tries again what has failed. What reads a source that is
+  /// Evaluates all nodes once, or one with what it needs, with the newest data; tries again what has failed, and without a node makes all
+  /// outputs again. What reads a source that is
   /// not there is left out. Throws Error for a node that the document does not have.
   void run();
   void run(const std::string& node);

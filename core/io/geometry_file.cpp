@@ -86,6 +86,12 @@ std::vector<vtkDataArray*> fieldsOf(vtkPointSet* set, const std::vector<std::str
     if (!arrays.back())
       throw Error(path + ": no array '" + name + "' of points for `fields`; the file has " +
                   namesOf(listOf(set->GetPointData())));
+    if (isColors(arrays.back()))
+      throw Error(path + ": array '" + name + "' for `fields` holds colours, expected an array of values");
+    if (arrays.back()->GetNumberOfComponents() > kMostPointComponents)
+      throw Error(path + ": array '" + name + "' for `fields` has " +
+                  std::to_string(arrays.back()->GetNumberOfComponents()) + " components, expected at most " +
+                  std::to_string(kMostPointComponents));
   }
   return arrays;
 }

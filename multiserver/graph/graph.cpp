@@ -116,12 +116,13 @@ void Graph::dropWhatTheDocumentHasNot() {
     if (kind == flow::NodeId::Kind::Output) return !document_.outputs.contains(name);
     return kind == flow::NodeId::Kind::View ? !document_.looks.contains(name) : !document_.dataset(name);
   });
-  std::erase_if(written_, [&](const auto& item) { return !document_.outputs.contains(item.first); });
-  std::vector<std::string> stopped;
-  for (const auto& [name, running] : writing_)
-    if (!document_.outputs.contains(name)) stopped.push_back(name);
-  for (const std::string& name : stopped) stopOutput(name);
-  unpublish(false);
+  std::erase_if(series_, [&](const auto& item) {
+    const DatasetSpec* now = document_.dataset(item.first);
+    const DatasetSpec& then = item.second.spec;
+    return !now || now->filter != then.filter || now->inputs != then.inputs ||
+           now->properties != then.properties;
+  });
+  dropOutputsThatTheDocumentHasNot();
   for (auto it = named_.begin(); it != named_.end();) {
     const DatasetSpec* spec = document_.dataset(it->first);
     if (spec && !spec->filter.empty()) {
@@ -204,6 +205,11 @@ void Graph::cancel(const std::optional<std::string>& node) {
   node ? flow_.cancel(*node) : flow_.cancel();
   for (const auto& [source, fetched] : fetched_)
     if (fetched.isUnderWay && (!node || source == *node)) stop(*fetched.running);
+  if (!node) {
+    for (const auto& [name, job] : due_) flow_.written(name, job.wave);
+    due_.clear();
+    for (const auto& [name, writing] : writing_) stop(*writing.running);
+  }
   act();
 }
 
@@ -461,7 +467,8 @@ void Graph::end() {
     wish_ = nullptr;
     for (const auto& [number, running] : running_) stop(*running);
     for (const auto& [source, fetched] : fetched_) stop(*fetched.running);
-    for (const auto& [name, running] : writing_) stop(*running);
+    due_.clear();
+    for (const auto& [name, writing] : writing_) stop(*writing.running);
     viewsChanged();
     send({{"event", "graph"}, {"graph", name_}, {"revision", revision_}, {"dropped", true}});
     watchers_.clear();
@@ -487,6 +494,7 @@ void Graph::release() {
     imported.swap(imported_);
     outputs.swap(outputs_);
     unpublish(true);
+    series_.clear();
     shown_.clear();
     holds_.clear();
     told_.clear();

@@ -4,7 +4,9 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -59,6 +61,9 @@ class Graph : public std::enable_shared_from_this<Graph> {
   nlohmann::json edit(const nlohmann::json& edits, bool live, const Client& by, const StateReader& readState);
   /// Returns `document`, `revision`, `paused` and `nodes`.
   nlohmann::json describe() const;
+  /// Returns what a node's filter has told of its generations from this one on: at most the newest 10,000 of the filter and its
+  /// properties as they are now, in at most 4 MiB. Throws Error for a node that the document does not have.
+  nlohmann::json numbers(const std::string& node, Generation from) const;
   /// Returns `graph`, `revision`, `nodes` (their number), `clients` and `paused`.
   nlohmann::json summary() const;
 
@@ -123,19 +128,37 @@ class Graph : public std::enable_shared_from_this<Graph> {
     RenderSettings settings;
     std::map<std::string, glm::dvec4> colors;  ///< of geometry, by dataset
   };
+  /// An output that is made now.
+  struct Writing {
+    OutputSpec what;
+    std::shared_ptr<Running> running;
+  };
   /// What has become of an output last.
   struct Written {
+    OutputSpec what;
     std::string file, error;
     int rank = -1;
   };
   struct Published {
-    std::string name;
+    OutputSpec what;
     std::shared_ptr<const GraphOutput> output;  ///< which stays as long as it has the name
   };
   /// Why something failed, and on which rank.
   struct Failure {
     std::string text;
     int rank = -1;
+  };
+  /// What a filter has told of its generations.
+  struct Series {
+    DatasetSpec spec;
+    std::deque<nlohmann::json> entries;
+    size_t bytes = 0;
+    LedgerEntry memory;
+  };
+  /// The newest step and the time of what an evaluation reads; NaN: unknown.
+  struct StepAndTime {
+    int64_t step = 0;
+    double time = std::numeric_limits<double>::quiet_NaN();
   };
   struct Watcher {
     Client client;
@@ -193,6 +216,8 @@ class Graph : public std::enable_shared_from_this<Graph> {
   // graph_outputs.cpp: what it makes of data beside showing them
   void carryOut(const flow::ShowData& action, std::vector<ShownItem> items);
   void stopOutput(const std::string& name);
+  void startOutputs();
+  void dropOutputsThatTheDocumentHasNot();
   bool isBusy() const { return flow_.isBusy() || !writing_.empty(); }
   void makeOutput(const OutputJob& job, const std::shared_ptr<Running>& running);
   std::string pathOf(const OutputJob& job) const;
@@ -209,6 +234,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   nlohmann::json stateJson(const flow::NodeId& node) const;
   void addOutcome(const std::string& output, nlohmann::json& state) const;
   void tellNode(const flow::NodeId& node);
+  void keepTold(const std::string& node, const GraphOutput& output, const StepAndTime& at);
   void send(const nlohmann::json& event);
   void sendPresent();
 
@@ -245,7 +271,9 @@ class Graph : public std::enable_shared_from_this<Graph> {
   uint64_t serial_ = 0, nextWindow_ = 1;
   std::map<std::string, std::map<uint64_t, std::function<void()>>> windows_;  ///< by view
   std::map<std::string, Shown> shown_;                                        ///< by view
-  std::map<std::string, std::shared_ptr<Running>> writing_;                   ///< outputs that are being made
+  std::map<std::string, Series> series_;                                      ///< by node
+  std::map<std::string, Writing> writing_;  ///< outputs that are being made
+  std::map<std::string, OutputJob> due_;    ///< outputs that are to be made next
   std::map<std::string, Written> written_;      ///< outputs that were made, or could not be
   std::map<std::string, Published> published_;  ///< by output
   std::map<uint64_t, Watcher> watchers_;        ///< by session

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a graph's Flow asks for, carried out with the ranks.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "core/comm/error.h"
@@ -266,7 +267,16 @@ void Graph::evaluate(const flow::StartEvaluation& action, const std::shared_ptr<
   what.purpose = "graph " + name_ + "/" + action.node;
   what.filter = action.filter;
   what.properties = action.properties;
-  what.sources = [&] { return sourcesOf(action); };
+  StepAndTime at;
+  what.sources = [&] {
+    auto sources = sourcesOf(action);
+    for (const auto& source : sources) {
+      const auto dataset = source.pin.get<Dataset>();
+      at.step = std::max(at.step, newestStep(*dataset));
+      if (!std::isnan(dataset->time)) at.time = dataset->time;
+    }
+    return sources;
+  };
   what.begun = begunOf(running);
   const auto begin = Clock::now();
   std::optional<FilterRuns::Evaluated> made;
@@ -299,6 +309,7 @@ void Graph::evaluate(const flow::StartEvaluation& action, const std::shared_ptr<
     output->made.generation = ++generations_[action.node];
     services_.outputs.add(tenant_, action.key, output);
     outputs_[action.key] = output;
+    keepTold(action.node, *output, at);
     flow_.finished(action.evaluation, output->made);
     // Also where the node has a newer key by now.
     if (!running->isCancelled) giveName(action.node, action.key);

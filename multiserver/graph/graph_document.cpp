@@ -307,14 +307,29 @@ class DocumentReading {
         for (const std::string& w : read.warnings)
           out_.warnings.push_back(path + ": " + withoutPlace(w, path));
         const OutputSpec& output = read.state.outputs.at(0);
-        if (output.type == OutputSpec::Type::Publish) checkDatasetName(output.to);
-        if (output.type == OutputSpec::Type::Pictures && places_.contains(output.of))
-          throw Error("`of`: expected a view, found " + inQuotes(output.of) + ", which is a dataset");
+        checkOutput(output);
         if (!out_.outputs.emplace(output.name, output).second)
           throw Error("there are two of this name, expected each name once");
-        out_.flow.outputs.push_back({output.name, output.of});
+        out_.flow.outputs.push_back(
+            {output.name, output.of, std::string(nameOf(output.type)) + " " + output.to});
       });
     }
+  }
+
+  void checkOutput(const OutputSpec& output) const {
+    const auto dataset = places_.find(output.of);
+    if (output.type == OutputSpec::Type::Pictures && dataset != places_.end())
+      throw Error("`of`: expected a view, found " + inQuotes(output.of) + ", which is a dataset");
+    if (output.type == OutputSpec::Type::Pictures) return;
+    if (dataset == places_.end() && out_.looks.contains(output.of))
+      throw Error("`of`: expected a dataset, found " + inQuotes(output.of) + ", which is a view");
+    if (output.type != OutputSpec::Type::Publish) return;
+    checkDatasetName(output.to);
+    if (output.to.find('/') != std::string::npos)
+      throw Error("`to`: expected a name without /, found " + inQuotes(output.to));
+    if (const auto own = places_.find(output.to);
+        own != places_.end() && out_.flow.datasets[own->second].isLive())
+      throw Error("`to`: " + inQuotes(output.to) + " is what this graph reads; expected another name");
   }
 
   const std::string& graph_;

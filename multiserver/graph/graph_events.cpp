@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What clients are told of a graph.
+#include <cmath>
+
+#include "core/comm/error.h"
 #include "core/comm/error_text.h"
 #include "multiserver/graph/graph.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy {
 
@@ -79,6 +83,44 @@ json Graph::nodesJson() const {
   for (const auto& [name, output] : document_.outputs)
     nodes.push_back(stateJson({NodeId::Kind::Output, name}));
   return nodes;
+}
+
+void Graph::keepTold(const std::string& node, const GraphOutput& output, const StepAndTime& at) {
+  constexpr size_t kMost = 10000, kMostBytes = 4 << 20, kRoom = 64 << 10;
+  const DatasetSpec* spec = document_.dataset(node);
+  if (!spec || output.told.empty()) return;
+  json entry = output.told;
+  entry["generation"] = output.made.generation;
+  entry["step"] = at.step;
+  if (!std::isnan(at.time)) entry["time"] = at.time;
+  Series& series = series_[node];
+  if (series.entries.empty()) series.spec = *spec;
+  const auto bytesOf = [](const json& e) { return protocol::dump(e).size(); };
+  const auto forgetOldest = [&] {
+    series.bytes -= bytesOf(series.entries.front());
+    series.entries.pop_front();
+  };
+  series.bytes += bytesOf(entry);
+  series.entries.push_back(std::move(entry));
+  while (series.entries.size() > kMost || series.bytes > kMostBytes) forgetOldest();
+  if (int64_t(series.bytes) <= series.memory.bytes()) return;
+  try {
+    series.memory = services_.serverRank.takeMemory(tenant_, "graph " + name_ + "/" + node,
+                                                    int64_t((series.bytes / kRoom + 1) * kRoom));
+  } catch (const Error&) {
+    while (int64_t(series.bytes) > series.memory.bytes()) forgetOldest();
+  }
+}
+
+json Graph::numbers(const std::string& node, Generation from) const {
+  const std::lock_guard lock(mutex_);
+  checkNotEnded();
+  if (!document_.dataset(node)) throw Error("numbers: there is no dataset " + inQuotes(node));
+  json out = json::array();
+  if (const auto found = series_.find(node); found != series_.end())
+    for (const json& entry : found->second.entries)
+      if (entry.at("generation").get<Generation>() >= from) out.push_back(entry);
+  return out;
 }
 
 void Graph::tellNode(const NodeId& node) {

@@ -2,6 +2,7 @@
 // What a graph makes of data beside showing them: files, pictures and names.
 #include <algorithm>
 #include <filesystem>
+#include <future>
 
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
@@ -29,7 +30,6 @@ std::string pictureFormat(const std::string& file) {
 // With the lock held, like all but makeOutput() and those that it calls.
 void Graph::carryOut(const flow::ShowData& action, std::vector<ShownItem> items) {
   const std::string& name = action.target.name;
-  stopOutput(name);
   const auto found = document_.outputs.find(name);
   if (found == document_.outputs.end()) return flow_.written(name, action.wave);
   std::string problem;
@@ -43,7 +43,7 @@ void Graph::carryOut(const flow::ShowData& action, std::vector<ShownItem> items)
   if (isPicture && look == document_.looks.end() && problem.empty())
     problem = "there is no view " + inQuotes(found->second.of);
   if (!problem.empty()) {
-    written_[name] = {"", problem, -1};
+    written_[name] = {found->second, "", problem, -1};
     return flow_.written(name, action.wave);
   }
   OutputJob job{found->second, action.wave, std::move(items), {}, {}, {}};
@@ -52,16 +52,28 @@ void Graph::carryOut(const flow::ShowData& action, std::vector<ShownItem> items)
     job.settings = document_.settings;
     for (const DatasetSpec& d : document_.flow.datasets) job.colors[d.name] = d.color;
   }
-  const auto running = std::make_shared<Running>(name);
-  writing_[name] = running;
-  post([this, job = std::move(job), running] { makeOutput(job, running); });
+  due_.insert_or_assign(name, std::move(job));
+  startOutputs();
+}
+
+// One of a name at a time, so that the newest data wait until what is being made is there.
+void Graph::startOutputs() {
+  constexpr size_t kAtOnce = 2;
+  for (auto it = due_.begin(); it != due_.end() && writing_.size() < kAtOnce;) {
+    if (writing_.contains(it->first)) {
+      ++it;
+      continue;
+    }
+    const auto running = std::make_shared<Running>(it->first);
+    writing_[it->first] = {it->second.what, running};
+    post([this, job = std::move(it->second), running] { makeOutput(job, running); });
+    it = due_.erase(it);
+  }
 }
 
 void Graph::stopOutput(const std::string& name) {
-  const auto found = writing_.find(name);
-  if (found == writing_.end()) return;
-  stop(*found->second);
-  writing_.erase(found);
+  due_.erase(name);
+  if (const auto found = writing_.find(name); found != writing_.end()) stop(*found->second.running);
 }
 
 void Graph::makeOutput(const OutputJob& job, const std::shared_ptr<Running>& running) {
@@ -83,12 +95,15 @@ void Graph::makeOutput(const OutputJob& job, const std::shared_ptr<Running>& run
     error = textOf(e);
   }
   const std::lock_guard lock(mutex_);
-  const auto found = writing_.find(name);
-  if (isEnded_ || found == writing_.end() || found->second != running) return;
-  writing_.erase(found);
-  const Failure failure = failureOf(error);
-  written_[name] = {file, failure.text, failure.rank};
-  flow_.written(name, job.wave);
+  writing_.erase(name);
+  if (isEnded_) return;
+  const auto now = document_.outputs.find(name);
+  if (now != document_.outputs.end() && now->second == job.what) {
+    const Failure failure = failureOf(error);
+    written_[name] = {job.what, file, failure.text, failure.rank};
+    flow_.written(name, job.wave);
+  }
+  startOutputs();
   tellNode({flow::NodeId::Kind::Output, name});
   act();
 }
@@ -165,26 +180,36 @@ void Graph::publish(const OutputJob& job) {
     throw Error("dataset " + inQuotes(job.what.of) + ": expected one that a filter of this graph makes");
   const Key object = made->second->object->key();
   const auto before = published_.find(job.what.name);
-  const auto named = datasets.find(tenant_, job.what.to);
-  if (named &&
-      (before == published_.end() || !named->ofGraph || named->key != before->second.output->object->key()))
+  const Key present = before == published_.end() ? Key() : before->second.output->object->key();
+  if (!datasets.publishOfGraph(tenant_, job.what.to, object, made->second->type, present))
     throw Error("the name " + inQuotes(job.what.to) + " is in use, expected a free one");
-  datasets.nameOfGraph(tenant_, job.what.to, object, made->second->type);
-  published_[job.what.name] = {job.what.to, made->second};
+  published_[job.what.name] = {job.what, made->second};
 }
 
 // Takes names back that the document does not give any more, or that all lose.
 void Graph::unpublish(bool all) {
   for (auto it = published_.begin(); it != published_.end();) {
     const auto now = document_.outputs.find(it->first);
-    if (!all && now != document_.outputs.end() && now->second.type == OutputSpec::Type::Publish &&
-        now->second.to == it->second.name) {
+    if (!all && now != document_.outputs.end() && now->second == it->second.what) {
       ++it;
       continue;
     }
-    services_.serverRank.datasets->unnameOfGraph(tenant_, it->second.name, it->second.output->object->key());
+    services_.serverRank.datasets->unnameOfGraph(tenant_, it->second.what.to,
+                                                 it->second.output->object->key());
     it = published_.erase(it);
   }
+}
+
+void Graph::dropOutputsThatTheDocumentHasNot() {
+  const auto has = [this](const OutputSpec& what) {
+    const auto now = document_.outputs.find(what.name);
+    return now != document_.outputs.end() && now->second == what;
+  };
+  std::erase_if(written_, [&](const auto& item) { return !has(item.second.what); });
+  std::erase_if(due_, [&](const auto& item) { return !has(item.second.what); });
+  for (const auto& [name, writing] : writing_)
+    if (!has(writing.what)) stop(*writing.running);
+  unpublish(false);
 }
 
 Asker Graph::askerOf(const Running& running) {

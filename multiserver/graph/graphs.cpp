@@ -46,6 +46,10 @@ json adoptHere(ServerRank& serverRank, const json& p) {
   return nullptr;
 }
 
+[[noreturn]] void failNoGraph(const std::string& name) {
+  throw Error("graph " + inQuotes(name) + ": there is none; `graph.list` names them, `graph.new` makes one");
+}
+
 }  // namespace
 
 void checkGraphName(const std::string& name) {
@@ -85,6 +89,7 @@ void Graphs::end() {
   for (const auto& graph : all()) graph->end();
   const std::lock_guard lock(mutex_);
   graphs_.clear();
+  shared_.clear();
 }
 
 std::vector<std::shared_ptr<Graph>> Graphs::all() const {
@@ -95,20 +100,57 @@ std::vector<std::shared_ptr<Graph>> Graphs::all() const {
   return all;
 }
 
-std::vector<std::shared_ptr<Graph>> Graphs::list(const std::string& tenant) const {
-  std::vector<std::shared_ptr<Graph>> out;
-  for (const auto& graph : all())
-    if (graph->tenant() == tenant) out.push_back(graph);
+std::vector<Graphs::Listed> Graphs::list(const std::string& tenant) const {
+  std::vector<Listed> out;
+  const std::lock_guard lock(mutex_);
+  const auto sharedOf = [&](const std::shared_ptr<Graph>& graph) -> std::optional<Access> {
+    const auto found = shared_.find(graph->name());
+    if (found == shared_.end() || found->second.graph != graph) return std::nullopt;
+    return found->second.access;
+  };
+  if (const auto own = graphs_.find(tenant); own != graphs_.end())
+    for (const auto& [name, graph] : own->second) out.push_back({graph, sharedOf(graph)});
+  for (const auto& [name, shared] : shared_)
+    if (shared.graph->tenant() != tenant) out.push_back({shared.graph, shared.access});
   return out;
 }
 
-std::shared_ptr<Graph> Graphs::get(const std::string& tenant, const std::string& name) const {
-  const std::lock_guard lock(mutex_);
+// With the lock held.
+std::shared_ptr<Graph> Graphs::own(const std::string& tenant, const std::string& name) const {
   const auto graphs = graphs_.find(tenant);
-  if (graphs != graphs_.end())
-    if (const auto found = graphs->second.find(name); found != graphs->second.end() && found->second)
-      return found->second;
-  throw Error("graph " + inQuotes(name) + ": there is none; `graph.list` names them, `graph.new` makes one");
+  if (graphs == graphs_.end()) return nullptr;
+  const auto found = graphs->second.find(name);
+  return found == graphs->second.end() ? nullptr : found->second;
+}
+
+std::shared_ptr<Graph> Graphs::get(const std::string& tenant, const std::string& name, Access access) const {
+  const std::lock_guard lock(mutex_);
+  if (auto graph = own(tenant, name)) return graph;
+  const auto shared = shared_.find(name);
+  if (shared == shared_.end()) failNoGraph(name);
+  if (access == Access::Change && shared->second.access == Access::Look)
+    throw Error("graph " + inQuotes(name) + ": it belongs to " + shared->second.graph->tenant() +
+                ", who lets others look at it, and not change it");
+  return shared->second.graph;
+}
+
+void Graphs::publish(const std::string& tenant, const std::string& name, Access access) {
+  const std::lock_guard lock(mutex_);
+  const auto graph = own(tenant, name);
+  if (!graph) failNoGraph(name);
+  const auto [shared, isNew] = shared_.try_emplace(name, Shared{graph, access});
+  if (!isNew && shared->second.graph != graph)
+    throw Error("graph " + inQuotes(name) + ": " + shared->second.graph->tenant() +
+                " has published one of this name");
+  shared->second.access = access;
+}
+
+void Graphs::unpublish(const std::string& tenant, const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  const auto graph = own(tenant, name);
+  if (!graph) failNoGraph(name);
+  if (const auto found = shared_.find(name); found != shared_.end() && found->second.graph == graph)
+    shared_.erase(found);
 }
 
 std::pair<std::shared_ptr<Graph>, std::vector<std::string>> Graphs::make(const std::string& tenant,
@@ -138,7 +180,14 @@ std::pair<std::shared_ptr<Graph>, std::vector<std::string>> Graphs::make(const s
 }
 
 void Graphs::drop(const std::string& tenant, const std::string& name) {
-  const auto graph = get(tenant, name);
+  std::shared_ptr<Graph> graph;
+  {
+    const std::lock_guard lock(mutex_);
+    graph = own(tenant, name);
+    if (!graph) failNoGraph(name);
+    if (const auto found = shared_.find(name); found != shared_.end() && found->second.graph == graph)
+      shared_.erase(found);
+  }
   graph->end();
   const std::lock_guard lock(mutex_);
   auto& graphs = graphs_[tenant];

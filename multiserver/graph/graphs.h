@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -47,13 +48,27 @@ class Graphs {
                                                                    const std::string& name,
                                                                    const nlohmann::json& document,
                                                                    const StateReader& readState);
-  /// Throws Error if the tenant has none of this name.
-  std::shared_ptr<Graph> get(const std::string& tenant, const std::string& name) const;
-  std::vector<std::shared_ptr<Graph>> list(const std::string& tenant) const;
-  /// Ends it and waits. Throws as get().
+  enum class Access { Look, Change };
+  /// Returns the tenant's graph of this name, else the one that another tenant has published. Throws Error if there is none, and, to change
+  /// it, if it was published to be looked at only.
+  std::shared_ptr<Graph> get(const std::string& tenant, const std::string& name,
+                             Access access = Access::Look) const;
+  struct Listed {
+    std::shared_ptr<Graph> graph;
+    std::optional<Access> shared;  ///< what all tenants may do, if it was published
+  };
+  /// Returns the tenant's graphs, and then those that others have published.
+  std::vector<Listed> list(const std::string& tenant) const;
+  /// Lets all tenants look at a graph of the tenant, or change it; again, with another access. Throws Error if there is none, or another
+  /// tenant has published one of this name.
+  void publish(const std::string& tenant, const std::string& name, Access access);
+  /// Takes that back. Windows of other tenants that show it go on with it until they show something else.
+  void unpublish(const std::string& tenant, const std::string& name);
+  /// Ends a graph of the tenant and waits. Throws Error if there is none.
   void drop(const std::string& tenant, const std::string& name);
 
  private:
+  std::shared_ptr<Graph> own(const std::string& tenant, const std::string& name) const;
   std::vector<std::shared_ptr<Graph>> all() const;
   void onDataset(const DatasetEvent& event);
   void runClock();
@@ -64,6 +79,11 @@ class Graphs {
   std::condition_variable woken_;
   GraphServices services_;
   std::map<std::string, std::map<std::string, std::shared_ptr<Graph>>> graphs_;  ///< by tenant and name
+  struct Shared {
+    std::shared_ptr<Graph> graph;
+    Access access = Access::Look;
+  };
+  std::map<std::string, Shared> shared_;  ///< by name
   bool isEnding_ = false;
   bool isAwake_ = false;
   std::thread clock_;  ///< from the first graph on

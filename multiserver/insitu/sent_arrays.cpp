@@ -116,6 +116,7 @@ std::shared_ptr<Dataset> datasetOf(const insitu::Mesh& mesh, const insitu::Field
   auto d = std::make_shared<Dataset>();
   if (field) d->array = field->name;
   geometry.name = field ? field->name : mesh.name;
+  if (field) geometry.array = field->name;
   d->bytes = bytesOf(geometry.block);
   d->memory = memory.another(d->bytes);
   d->geometry = std::make_shared<const OwnedGeometry>(std::move(geometry));

@@ -248,6 +248,20 @@ void Datasets::nameOfGraph(const std::string& tenant, const std::string& name, K
   tell({kind, {key, name, Scope::Private, nameOf(type), tenant, false, 1, true}, {}, {}});
 }
 
+bool Datasets::publishOfGraph(const std::string& tenant, const std::string& name, Key key, DatasetType type,
+                              Key present) {
+  std::optional<DirectoryEntry> now;
+  do {
+    if (const auto known = find(tenant, name); known && known->scope == Scope::Shared) return false;
+    now = serverRank_.directory.find(tenant, name, Scope::Private);
+    if (now && now->ofGraph && now->key == key) return true;
+    if (now && (!now->ofGraph || now->key != present)) return false;
+  } while (!serverRank_.directory.bindIf(name, now, {key, nameOf(type), tenant, false, true}));
+  const auto kind = now ? DatasetEvent::Kind::Updated : DatasetEvent::Kind::Added;
+  tell({kind, {key, name, Scope::Private, nameOf(type), tenant, false, 1, true}, {}, {}});
+  return true;
+}
+
 void Datasets::unnameOfGraph(const std::string& tenant, const std::string& name, Key key) {
   const auto now = serverRank_.directory.find(tenant, name, Scope::Private);
   if (!now || !now->ofGraph || now->key != key) return;

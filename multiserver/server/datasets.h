@@ -164,6 +164,10 @@ class Datasets {
   /// Gives a graph's name GRAPH/NODE to an object that the graph has made, in the tenant's directory; observers are told. A name that
   /// the tenant has given to other data stays theirs. The object that had the name before stays, too.
   void nameOfGraph(const std::string& tenant, const std::string& name, Key key, DatasetType type);
+  /// The same for a name of the graph's choice, without a `/`. It must be free, or mean `present`. Returns false otherwise, and then nothing
+  /// has changed.
+  bool publishOfGraph(const std::string& tenant, const std::string& name, Key key, DatasetType type,
+                      Key present);
   /// Takes the name away from this object, if it has it.
   void unnameOfGraph(const std::string& tenant, const std::string& name, Key key);
 

@@ -27,7 +27,8 @@ std::string contentOf(const std::filesystem::path& path) {
 }
 
 bool lists(GraphClient& c, const std::string& name) {
-  for (const json& d : c.say("list").at("datasets"))
+  const json listed = c.say("list");
+  for (const json& d : listed.at("datasets"))
     if (d.at("name") == name) return true;
   return false;
 }
@@ -106,6 +107,51 @@ TEST(GraphOutputs, APublishedNameMeansWhatTheNodeWasMadeLast) {
   for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->serverRank(rank).ledger.total("user"), 0) << rank;
 }
 
+TEST(GraphOutputs, AnEditOfAnOutputMakesItAnew) {
+  const auto server = serveGraphs(2);
+  const auto& folder = server->folder().path();
+  GraphClient c(*server);
+  c.say(importBall("ball"));
+  json file = output("Data file", "seeds", "a.vti"), name = output("Publish", "copy", "a");
+  file["name"] = "file";
+  name["name"] = "name";
+  c.say(graphWith({liveVolume("ball"), kLine, copyOf("copy", "ball")}, {file, name}));
+  c.untilState("name", "done", "output");
+  c.say("graph.wait g");
+  EXPECT_EQ(c.state("file", "output"), "failed") << "a volume's ending";
+  c.edit({{{"set", {"Outputs", "file", "to"}}, {"to", "a.vtp"}},
+          {{"set", {"Outputs", "name", "to"}}, {"to", "b"}}});
+  c.untilState("file", "done", "output");
+  until([&] { return lists(c, "b"); }, "the other name");
+  EXPECT_FALSE(lists(c, "a"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "a.vtp"));
+  std::filesystem::remove(folder / "a.vtp");
+  c.say("graph.run g");
+  until([&] { return std::filesystem::exists(folder / "a.vtp"); }, "run makes it again");
+  c.say("graph.wait g");
+}
+
+TEST(GraphOutputs, OfDataThatComeWhileOneIsMadeTheNewestAreMadeNext) {
+  const auto server = serveGraphs(2);
+  const auto& folder = server->folder().path();
+  GraphClient c(*server);
+  c.say(graphWith({liveVolume("ball")}, {output("Data file", "ball", "{step}.vti")}));
+  constexpr int kSteps = 12;
+  for (int step = 1; step <= kSteps; step++) {
+    writeBall(folder.string(), "ball", 64, float(step));
+    c.say(importBall("ball"));
+  }
+  until([&] { return std::filesystem::exists(folder / "000012.vti"); }, "the last is made");
+  c.say("graph.wait g");
+  c.say("export ball expected.vti");
+  EXPECT_EQ(contentOf(folder / "000012.vti"), contentOf(folder / "expected.vti"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".vti") continue;
+    EXPECT_EQ(std::filesystem::file_size(entry), std::filesystem::file_size(folder / "expected.vti"))
+        << entry.path() << " is complete";
+  }
+}
+
 TEST(GraphOutputs, WhatCannotBeMadeIsTheOutputsErrorAndOthersGoOn) {
   const auto server = serveGraphs(2);
   GraphClient c(*server);
@@ -135,10 +181,88 @@ TEST(GraphOutputs, WhatCannotBeMadeIsTheOutputsErrorAndOthersGoOn) {
             std::string::npos);
   EXPECT_NE(errorOf({output("Pictures", "ball", "a.png")}).find("expected a view, found \"ball\""),
             std::string::npos);
+  const auto withView = [&](const json& o) {
+    return c.error("graph.new h " + json{{"Datasets", {liveVolume("ball")}},
+                                         {"Visualizations", json::array({viewOf("v", {"ball"})})},
+                                         {"Outputs", json::array({o})}}
+                                        .dump());
+  };
+  EXPECT_NE(withView(output("Data file", "v", "a.vti")).find("expected a dataset, found \"v\""),
+            std::string::npos);
+  EXPECT_NE(errorOf({output("Publish", "seeds", "a/b")}).find("expected a name without /"),
+            std::string::npos);
+  EXPECT_NE(errorOf({output("Publish", "seeds", "ball")}).find("is what this graph reads"),
+            std::string::npos);
   EXPECT_NE(errorOf({{{"type", "Publish"}, {"of", "ball"}}}).find("`to`"), std::string::npos);
   EXPECT_NE(errorOf({output("Data file", "ball", "a.vti"), output("Data file", "ball", "a.vti")})
                 .find("two of this name"),
             std::string::npos);
+}
+
+TEST(GraphNumbers, AreKeptByGenerationUntilTheFilterIsAnother) {
+  const auto server = serveGraphs(2);
+  GraphClient c(*server);
+  c.say("graph.new g " +
+        json{{"Datasets",
+              {liveVolume("ball"), madeBy("Number", "most", {{"b", "ball"}}, {{"expression", "max(b)"}})}}}
+            .dump());
+  EXPECT_EQ(c.say("graph.numbers g most").at("numbers"), json::array());
+  std::vector<double> expected;
+  for (int step = 1; step <= 4; step++) {
+    writeBall(server->folder().path().string(), "ball", 16, float(step));
+    c.say(importBall("ball"));
+    expected.push_back(c.say("range ball").at("range").at(1));
+    c.say("graph.run g");
+    c.say("graph.wait g");
+  }
+  const json numbers = c.say("graph.numbers g most").at("numbers");
+  ASSERT_EQ(numbers.size(), 4u);
+  for (size_t i = 0; i < 4; i++) {
+    EXPECT_EQ(numbers[i].at("value"), expected[i]);
+    EXPECT_EQ(numbers[i].at("generation"), i + 1);
+    EXPECT_EQ(numbers[i].at("step"), i + 1);
+  }
+  EXPECT_EQ(c.say("graph.numbers g most 3").at("numbers").size(), 2u);
+  c.edit({{{"set", {"Datasets", "most", "expression"}}, {"to", "min(b)"}}});
+  EXPECT_EQ(c.say("graph.numbers g most").at("numbers").size(), 0u);
+  EXPECT_NE(c.error("graph.numbers g none").find("there is no dataset \"none\""), std::string::npos);
+  EXPECT_NE(c.error("graph.numbers g most 0").find("a generation is an integer from 1 up"),
+            std::string::npos);
+}
+
+TEST(GraphSharing, OthersLookAtAPublishedGraphAndChangeItOnlyIfTheyMay) {
+  const auto server = serveGraphs(2);
+  GraphClient owner(*server), other(*server, "other");
+  owner.say(importBall("ball"));
+  owner.say(newGraph({liveVolume("ball"), copyOf("copy", "ball")}, json::array({viewOf("v", {"copy"})})));
+  EXPECT_NE(other.error("graph.get g").find("there is none"), std::string::npos);
+  owner.say("graph.publish g");
+  const json listed = other.say("graph.list").at("graphs").at(0);
+  EXPECT_EQ(listed.at("owner"), "user");
+  EXPECT_EQ(listed.at("scope"), "shared");
+  EXPECT_EQ(listed.at("read only"), true);
+  other.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
+  other.untilState("v", "done", "view");
+  EXPECT_EQ(other.screen.waitFor(1, other.say("render 1").at("frame")).status, "complete");
+  for (const std::string verb : {"run g", "pause g", "resume g", "cancel g", "edit g {\"edits\": []}"})
+    EXPECT_NE(other.error("graph." + verb).find("it belongs to user, who lets others look at it"),
+              std::string::npos)
+        << verb;
+  EXPECT_NE(other.error("graph.drop g").find("there is none"), std::string::npos);
+  EXPECT_NE(other.error("graph.publish g").find("there is none"), std::string::npos);
+  owner.say("graph.publish g writable");
+  other.edit({{{"set", {"Datasets", "copy", "number"}}, {"to", 3}}});
+  owner.untilState("v", "done", "view");
+  EXPECT_EQ(owner.node("copy").at("told").at("number"), 3);
+  other.say("graph.new g");
+  EXPECT_NE(other.error("graph.publish g").find("user has published one of this name"), std::string::npos);
+  EXPECT_EQ(other.say("graph.get g").at("nodes").size(), 0u) << "one's own goes before";
+  other.say("graph.drop g");
+  owner.say("graph.unpublish g");
+  EXPECT_NE(other.error("graph.get g").find("there is none"), std::string::npos);
+  owner.say("graph.publish g");
+  owner.say("graph.drop g");
+  EXPECT_EQ(other.say("graph.list").at("graphs").size(), 0u);
 }
 
 }  // namespace

@@ -82,7 +82,6 @@ TEST(Watch, TellsEachTimeThatAConditionBeginsToHold) {
     EXPECT_EQ(
         server.client->expect(R"json(watch {"expression": "max(ball) > 3", "name": "hot"})json")["value"],
         true);
-    EXPECT_TRUE(server.events.empty());
   }
 }
 

@@ -107,9 +107,49 @@ TEST(StateMessages, InternalKeysAndSamplersAreRefused) {
             std::string::npos);
   for (const char* type : {"IsoSampler", "IsoSamplerVis", "GradientSampler", "GradientSamplerVis"}) {
     const std::string message = operatorError("\"type\": \"" + std::string(type) + "\"");
-    EXPECT_NE(message.find("not supported by rendering"), std::string::npos) << message;
+    EXPECT_NE(message.find(R"({"filter": "IsosurfaceSampler")"), std::string::npos) << message;
+    EXPECT_EQ(message.find("mag(grad(f))") != std::string::npos, type[0] == 'G') << message;
   }
   EXPECT_NE(operatorError(R"("type": "volume")").find("expected Volume, Particles"), std::string::npos);
+}
+
+TEST(StateMessages, NamedOperatorsAndOutputsAreChecked) {
+  const auto withOperators = [](const std::string& named, const std::string& said) {
+    return errorFor(R"({"Operators": )" + named + R"(, "Visualization": {"operators": [)" + said + "]}}");
+  };
+  const std::string look = R"({"name": "look", "type": "Volume", "dataset": "d", "isovalues": [1]})";
+  EXPECT_EQ(withOperators(look, "\"look\", \"look\""), "");
+  EXPECT_NE(
+      withOperators(look, "\"loop\"").find("the name of one of `Operators`, found \"loop\"; did you mean"),
+      std::string::npos)
+      << withOperators(look, "\"loop\"");
+  EXPECT_NE(withOperators("[" + look + "," + look + "]", "").find("two operators named \"look\""),
+            std::string::npos);
+  EXPECT_NE(withOperators(R"({"type": "Volume", "dataset": "d"})", "").find("`name` is missing"),
+            std::string::npos);
+  EXPECT_NE(withOperators(R"({"name": "n", "type": "Volume"})", "").find("without `dataset`"),
+            std::string::npos);
+  std::string map = "[";
+  for (int i = 0; i < 20000; i++) map += (i ? ",[" : "[") + std::to_string(i) + ",0,0,0]";
+  std::string names = "\"look\"";
+  for (int i = 0; i < 20; i++) names += ",\"look\"";
+  EXPECT_NE(
+      withOperators(
+          R"({"name": "look", "type": "Volume", "dataset": "d", "isovalues": [1], "colormap": )" + map + "]}",
+          names)
+          .find("at most 1000000 values in all operators that are named"),
+      std::string::npos);
+  const auto output = [](const std::string& members) { return errorFor(R"({"Outputs": )" + members + "}"); };
+  EXPECT_EQ(
+      output(
+          R"([{"type": "Data file", "of": "d", "to": "d.vti"}, {"type": "Publish", "of": "d", "to": "e"}])"),
+      "");
+  EXPECT_NE(
+      output(R"({"type": "Film", "of": "d", "to": "e"})").find("expected Data file, Pictures or Publish"),
+      std::string::npos);
+  EXPECT_NE(output(R"({"type": "Publish", "to": "e"})").find("without `of`"), std::string::npos);
+  const std::string twice = R"({"type": "Publish", "of": "d", "to": "e"})";
+  EXPECT_NE(output("[" + twice + "," + twice + "]").find("two outputs named \"e\""), std::string::npos);
 }
 
 TEST(StateMessages, DatasetsMustFitTheirOperators) {

@@ -24,6 +24,7 @@ std::map<std::string, std::vector<int>> componentsShown(const State& state) {
   std::set<std::string> whole;
   for (const Visualization& v : state.visualizations)
     for (const Vis& op : v.operators) {
+      if (op.type != VisType::Volume) continue;
       if (op.component)
         shown[op.dataset].insert(*op.component);
       else

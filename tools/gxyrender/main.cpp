@@ -57,9 +57,16 @@ void giveFiles(State& state, const std::map<std::string, std::string>& files) {
   }
 }
 
-State readStateAlone(const std::string& path, const std::map<std::string, std::string>& files) {
+State readStateAlone(const std::string& path, const RenderOptions& options) {
   StateFile file = readStateFile(path, &standardFilters());
-  giveFiles(file.state, files);
+  giveFiles(file.state, options.datasets);
+  const bool onlyPictures = options.reference || !options.sweepFile.empty();
+  if (onlyPictures && !file.state.outputs.empty()) {
+    std::cerr << "warning: " << path
+              << ": `Outputs` are left out: " << (options.reference ? "--reference" : "--cinema")
+              << " makes pictures only\n";
+    file.state.outputs.clear();
+  }
   for (const std::string& w : file.warnings) std::cerr << "warning: " << w << '\n';
   const auto isFile = [](const OutputSpec& o) { return o.type == OutputSpec::Type::DataFile; };
   for (const OutputSpec& o : file.state.outputs)
@@ -78,7 +85,7 @@ nlohmann::json readAlone(const RenderOptions& options) {
   if (options.files.size() == 1 && filesOf(first).size() == 1 && isStateFile(first)) {
     if (options.looks)
       throw Error(first + ": this is a state file, and --iso, --slice and --array are for data files");
-    return {{"state", writeState(readStateAlone(first, options.datasets))},
+    return {{"state", writeState(readStateAlone(first, options))},
             {"directory", std::filesystem::absolute(first).parent_path().string()}};
   }
   if (!options.datasets.empty())

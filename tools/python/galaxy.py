@@ -228,8 +228,15 @@ class _Arrays:
 
     def __init__(self):
         self._arrays = {"structure": {}, "fields": {}}
+        self._problem = None  # the first, which of() raises
 
     def take(self, _, header, content):
+        try:
+            self._take(header, content)
+        except Exception as e:
+            self._problem = self._problem or e
+
+    def _take(self, header, content):
         kind, name = ("structure", "structure") if "structure" in header else ("fields", "field")
         values = np.frombuffer(content, np.dtype(header["type"]).newbyteorder("<"))
         n = header["components"]
@@ -239,6 +246,8 @@ class _Arrays:
             self._arrays[kind][header[name]] = array.reshape(-1, n)
 
     def of(self, reply):
+        if self._problem:
+            raise GalaxyError(f"an array of the dataset could not be stored: {self._problem}") from self._problem
         if "dimensions" in reply:
             for name, array in self._arrays["fields"].items():
                 self._arrays["fields"][name] = array.reshape(*reversed(reply["dimensions"]), *array.shape[1:])

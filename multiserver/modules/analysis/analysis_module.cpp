@@ -44,19 +44,22 @@ json filters(Request& request) {
   return described(request.session().serverRank().filters);
 }
 
+std::shared_ptr<Watches> watchesOf(Session& session) {
+  return session.state<Watches>([&] { return std::make_shared<Watches>(session); });
+}
+
 json watch(Request& request) {
   protocol::Arguments arguments(request.arguments(), "watch {\"expression\": TEXT}");
   const json wanted = DocumentReader(request).object(arguments.expectJson(), "watch");
   arguments.expectEnd();
-  const auto watches = request.session().state<Watches>([] { return std::make_shared<Watches>(); });
-  return watches->add(request, WatchedCondition::read(wanted));
+  return watchesOf(request.session())->add(request, WatchedCondition::read(wanted));
 }
 
 json unwatch(Request& request) {
   protocol::Arguments arguments(request.arguments(), "unwatch NAME");
   const std::string name = arguments.expectWord();
   arguments.expectEnd();
-  request.session().state<Watches>([] { return std::make_shared<Watches>(); })->remove(name);
+  watchesOf(request.session())->remove(name);
   return nullptr;
 }
 

@@ -6,15 +6,19 @@
 
 #include "core/analysis/expression.h"
 #include "core/comm/error.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy {
 
 namespace {
 using nlohmann::json;
 
+constexpr size_t kMostNameBytes = 255;
+
 std::string textOf(const json& value, const std::string& key) {
   if (!value.is_string() || value.get_ref<const std::string&>().empty())
-    throw Error("watch: " + inQuotes(key, '`') + ": expected a text, found " + value.dump());
+    throw Error("watch: " + inQuotes(key, '`') + ": expected a text, found " +
+                protocol::dump(value).substr(0, 100));
   return value.get<std::string>();
 }
 
@@ -43,106 +47,93 @@ WatchedCondition WatchedCondition::read(const json& request) {
     }
   }
   if (c.inputs.empty()) throw Error("watch: the expression names no dataset, expected one, as in max(p) > 3");
-  if (c.name.empty()) c.name = c.expression;
+  for (const auto& [name, dataset] : c.inputs) checkDatasetName(dataset);
+  if (c.name.empty()) c.name = c.expression.substr(0, kMostNameBytes);
+  if (c.name.size() > kMostNameBytes)
+    throw Error("watch: `name`: expected at most " + std::to_string(kMostNameBytes) + " bytes, found " +
+                std::to_string(c.name.size()));
   return c;
 }
 
+void WatchQueue::add(const std::shared_ptr<Watch>& watch) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& waiting : waiting_)
+    if (waiting.lock() == watch) return;
+  waiting_.push_back(watch);
+  if (std::exchange(isWorking_, true)) return;
+  transport_.postWaiting([self = shared_from_this()] { self->work(); });
+}
+
+void WatchQueue::work() {
+  while (true) {
+    std::shared_ptr<Watch> watch;
+    {
+      const std::lock_guard lock(mutex_);
+      while (!watch && !waiting_.empty()) {
+        watch = waiting_.front().lock();
+        waiting_.pop_front();
+      }
+      if (!watch) {
+        isWorking_ = false;
+        return;
+      }
+    }
+    watch->look();
+  }
+}
+
 Watch::Watch(ServerRank& serverRank, std::string tenant, std::shared_ptr<Outbox> outbox,
-             WatchedCondition condition)
+             std::shared_ptr<WatchQueue> queue, WatchedCondition condition)
     : serverRank_(serverRank),
       tenant_(std::move(tenant)),
       outbox_(std::move(outbox)),
+      queue_(std::move(queue)),
       condition_(std::move(condition)) {}
 
 json Watch::begin(Request& request) {
-  running_ = true;  // What comes during the first evaluation is looked at after it.
   std::vector<std::string> names;
   for (const auto& [name, dataset] : condition_.inputs) names.push_back(dataset);
+  const std::lock_guard evaluating(evaluating_);
   auto subscription = serverRank_.datasets->observe(
       [weak = weak_from_this(), names, tenant = tenant_](const DatasetEvent& event) {
         const auto watch = weak.lock();
-        if (!watch || !event.visibleTo(tenant)) return;
+        if (!watch || !event.visibleTo(tenant) || event.kind == DatasetEvent::Kind::Skipped) return;
         for (const std::string& name : names)
-          if (name == event.dataset.name || name == event.newName) return watch->look();
+          if (name == event.dataset.name || name == event.newName) return watch->queue_->add(watch);
       });
   auto want = serverRank_.datasets->want(tenant_, names);
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(handles_);
     subscription_ = std::move(subscription);
     want_ = std::move(want);
   }
-  const auto rest = [this] {
-    running_ = false;
-    changed_.notify_all();
-  };
-  try {
-    std::map<std::string, Generation> read;
-    const json value = evaluate(askerOf(request), read);
-    held_ = value == true;
-    const std::lock_guard lock(mutex_);
-    if (again_)
-      serverRank_.transport.postWaiting([self = shared_from_this()] { self->runAll(); });
-    else
-      rest();
-    return value;
-  } catch (...) {
-    const std::lock_guard lock(mutex_);
-    rest();
-    throw;
-  }
+  std::map<std::string, Generation> read;
+  const json value = evaluate(askerOf(request), read);
+  held_ = value == true;
+  return value;
 }
 
 void Watch::look() {
-  const std::lock_guard lock(mutex_);
-  again_ = true;
-  if (running_ || ended_) return;
-  running_ = true;
-  serverRank_.transport.postWaiting([self = shared_from_this()] { self->runAll(); });
-}
-
-void Watch::runAll() {
-  while (true) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (!again_ || ended_) {
-        running_ = false;
-        changed_.notify_all();
-        return;
-      }
-      again_ = false;
-    }
-    Asker asker;
-    asker.check = [this] {
-      const std::lock_guard lock(mutex_);
-      if (ended_) throw Error("cancelled");
-    };
-    json event{{"event", "watch"}, {"watch", condition_.name}};
-    try {
-      std::map<std::string, Generation> read;
-      const json value = evaluate(asker, read);
-      problem_.clear();
-      if (value == true && !held_) {
-        event["value"] = true;
-        event["generations"] = read;
-        tell(std::move(event));
-      }
-      held_ = value == true;
-    } catch (const std::exception& e) {
-      held_ = false;
-      if (problem_ == e.what()) continue;
-      problem_ = e.what();
-      event["error"] = problem_;
-      tell(std::move(event));
-    }
+  const std::lock_guard evaluating(evaluating_);
+  if (isEnded_) return;
+  Asker asker;
+  asker.check = [this] {
+    if (isEnded_) throw Error("cancelled");
+  };
+  json event{{"event", "watch"}, {"watch", condition_.name}};
+  std::string problem;
+  try {
+    std::map<std::string, Generation> read;
+    const bool holds = evaluate(asker, read) == true;
+    if (holds && !held_) event.update({{"value", true}, {"generations", read}});
+    held_ = holds;
+  } catch (const std::exception& e) {
+    held_ = false;
+    problem = e.what();
+    if (problem != problem_) event["error"] = problem;
   }
-}
-
-void Watch::tell(json event) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (ended_) return;
-  }
-  outbox_->event(event);
+  problem_ = problem;
+  if (!isEnded_ && event.size() > 2) outbox_->event(event);
 }
 
 json Watch::evaluate(const Asker& asker, std::map<std::string, Generation>& read) {
@@ -152,6 +143,11 @@ json Watch::evaluate(const Asker& asker, std::map<std::string, Generation>& read
   what.purpose = "derived";
   what.filter = "Number";
   what.properties = json{{"expression", condition_.expression}}.dump();
+  what.begun = [this](uint64_t exchange) {
+    exchange_ = exchange;
+    if (isEnded_) serverRank_.exchanges.cancel(exchange);
+  };
+  std::vector<Pin> kept;  // until it has ended
   what.sources = [&] {
     std::vector<std::string> names;
     for (const auto& [input, dataset] : condition_.inputs) names.push_back(dataset);
@@ -163,10 +159,12 @@ json Watch::evaluate(const Asker& asker, std::map<std::string, Generation>& read
       if (named.type != nameOf(DatasetType::Volume))
         throw Error("watch: dataset " + inQuotes(dataset) + " is " + named.type + ", expected a Volume");
       read[dataset] = named.generation;
+      kept.push_back(serverRank_.objects.pin(named.key, named.generation));
       sources.push_back({input, dataset, {named.key, named.generation}, std::move(pin)});
     }
     return sources;
   };
+  const std::shared_ptr<void> over(nullptr, [this](void*) { exchange_ = 0; });
   const json value = serverRank_.filterRuns->evaluate(asker, what).told.at("value");
   if (value.is_number())
     throw Error("watch: " + inQuotes(condition_.expression) +
@@ -175,12 +173,15 @@ json Watch::evaluate(const Asker& asker, std::map<std::string, Generation>& read
 }
 
 void Watch::end() {
-  std::shared_ptr<void> want, subscription;
-  std::unique_lock lock(mutex_);
-  ended_ = true;
-  want.swap(want_);
-  subscription.swap(subscription_);
-  changed_.wait(lock, [&] { return !running_; });
+  isEnded_ = true;
+  if (const uint64_t exchange = exchange_) serverRank_.exchanges.cancel(exchange);
+  std::shared_ptr<void> want, subscription;  // let go of without the lock
+  {
+    const std::lock_guard lock(handles_);
+    want.swap(want_);
+    subscription.swap(subscription_);
+  }
+  const std::lock_guard evaluating(evaluating_);
 }
 
 Watches::~Watches() {
@@ -189,8 +190,8 @@ Watches::~Watches() {
 
 json Watches::add(Request& request, const WatchedCondition& condition) {
   Session& session = request.session();
-  const auto watch =
-      std::make_shared<Watch>(session.serverRank(), session.tenant(), session.sharedOutbox(), condition);
+  const auto watch = std::make_shared<Watch>(session.serverRank(), session.tenant(), session.sharedOutbox(),
+                                             queue_, condition);
   std::shared_ptr<Watch> before;
   const std::shared_ptr<void> last(nullptr, [&](void*) {
     if (before) before->end();

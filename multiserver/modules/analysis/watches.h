@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Verb `watch`: tells a client when a condition on whole fields begins to hold.
 #pragma once
-#include <condition_variable>
+#include <atomic>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
 #include "multiserver/server/datasets.h"
@@ -26,36 +26,53 @@ struct WatchedCondition {
   static WatchedCondition read(const nlohmann::json& request);
 };
 
-/// One watch. Evaluates its condition with the filter Number whenever data that it reads have a newer generation, one evaluation at
-/// a time: of generations that come meanwhile, the newest counts. Thread safe.
+class Watch;
+
+/// Watches that are to be looked at, one after the other. It works on a thread of its own while there are some. Thread safe.
+class WatchQueue : public std::enable_shared_from_this<WatchQueue> {
+ public:
+  explicit WatchQueue(Transport& transport) : transport_(transport) {}
+  /// Adds a watch, unless it waits already.
+  void add(const std::shared_ptr<Watch>& watch);
+
+ private:
+  void work();
+
+  Transport& transport_;
+  std::mutex mutex_;
+  std::deque<std::weak_ptr<Watch>> waiting_;
+  bool isWorking_ = false;
+};
+
+/// One watch. Evaluates its condition with the filter Number when data that it reads have a newer generation: of those that have come
+/// meanwhile, the newest. Thread safe.
 class Watch : public std::enable_shared_from_this<Watch> {
  public:
   Watch(ServerRank& serverRank, std::string tenant, std::shared_ptr<Outbox> outbox,
-        WatchedCondition condition);
+        std::shared_ptr<WatchQueue> queue, WatchedCondition condition);
 
   /// Evaluates the condition now, for a request, and from then on by itself. Returns its value: true, false, or null where there
   /// are no data. Throws Error, and then end() is all that is left.
   nlohmann::json begin(Request& request);
-  /// Cancels an evaluation that is under way, and waits for its end. Nothing happens any more. Not within an event.
+  /// Evaluates it again, and tells what is to be told. Waits.
+  void look();
+  /// Cancels an evaluation that is under way on all ranks, and waits for its end. Nothing happens any more.
   void end();
 
  private:
-  void look();
-  void runAll();
   nlohmann::json evaluate(const Asker& asker, std::map<std::string, Generation>& read);
-  void tell(nlohmann::json event);
 
   ServerRank& serverRank_;
   const std::string tenant_;
   const std::shared_ptr<Outbox> outbox_;
+  const std::shared_ptr<WatchQueue> queue_;
   const WatchedCondition condition_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool running_ = false, again_ = false, ended_ = false;
-  // Of the thread that evaluates:
-  bool held_ = false;    ///< whether the condition held last
-  std::string problem_;  ///< why it could not be evaluated last
-  // Handles, let go of by end():
+  std::atomic<bool> isEnded_ = false;
+  std::atomic<uint64_t> exchange_ = 0;
+  std::mutex evaluating_;  ///< held during an evaluation; guards the two below
+  bool held_ = false;      ///< whether the condition held last
+  std::string problem_;    ///< why it could not be evaluated last
+  std::mutex handles_;     ///< guards the two below
   std::shared_ptr<void> want_, subscription_;
 };
 
@@ -64,6 +81,7 @@ class Watches {
  public:
   static constexpr size_t kMost = 64;
 
+  explicit Watches(Session& session) : queue_(std::make_shared<WatchQueue>(session.serverRank().transport)) {}
   ~Watches();
   /// Verb `watch`.
   nlohmann::json add(Request& request, const WatchedCondition& condition);
@@ -71,6 +89,7 @@ class Watches {
   void remove(const std::string& name);
 
  private:
+  const std::shared_ptr<WatchQueue> queue_;
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Watch>> watches_;
 };

@@ -65,6 +65,7 @@ template <class T>
 void sendArray(FetchedJson header, const std::vector<T>& values, const SendPart& send) {
   const SentArray array{std::move(header), int64_t(values.size()), sizeof(T)};
   const auto atOnce = size_t(kSlabBytes) / sizeof(T);
+  if (values.empty()) return sendPart(array, 0, {}, send);
   for (size_t first = 0; first < values.size(); first += atOnce)
     sendPart(array, int64_t(first),
              std::as_bytes(std::span(values).subspan(first, std::min(atOnce, values.size() - first))), send);
@@ -129,17 +130,21 @@ struct FetchWork {
     const GeometryBlock all = gatherGeometry(*d.geometry, ranks);
     agree(ranks, [&] {
       if (!send) return;
+      const GeometryKind kind = d.geometry->kind;
       sendArray(structure("points", "float64", 3), all.points, send);
-      sendArray(structure("normals", "float32", 3), all.normals, send);
-      sendArray(structure("segments", "uint32", 2), all.segments, send);
-      sendArray(structure("triangles", "uint32", 3), all.triangles, send);
       sendArray(structure("ids", "uint64", 1), all.ids, send);
+      if (!all.normals.empty()) sendArray(structure("normals", "float32", 3), all.normals, send);
+      if (kind == GeometryKind::PathLines) sendArray(structure("segments", "uint32", 2), all.segments, send);
+      if (kind == GeometryKind::Triangles)
+        sendArray(structure("triangles", "uint32", 3), all.triangles, send);
       const std::string array = arrayName(d);
-      sendArray(field(array, "float32", 1), all.values, send);
+      if (!all.values.empty()) sendArray(field(array, "float32", 1), all.values, send);
       for (const PointField& f : all.fields)
         if (!repeatsValues(all, f, array)) sendField(f, send);
-      sendArray(field(d.array.empty() ? "colors" : d.array, "float32", 3), all.colors, send);
-      if (!d.radiusArray.empty()) sendArray(field(d.radiusArray, "float32", 1), all.radiusValues, send);
+      if (!all.colors.empty())
+        sendArray(field(d.array.empty() ? "colors" : d.array, "float32", 3), all.colors, send);
+      if (!d.radiusArray.empty() && !all.radiusValues.empty())
+        sendArray(field(d.radiusArray, "float32", 1), all.radiusValues, send);
     });
   }
 };

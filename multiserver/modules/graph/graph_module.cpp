@@ -21,6 +21,11 @@ StateReader readerOf(Request& request) {
   return stateReaderOf(request.session().serverRank(), request.session().tenant());
 }
 
+/// The graph that a request changes.
+std::shared_ptr<Graph> changed(const Graphs& graphs, Request& request, const std::string& name) {
+  return graphs.get(request.session().tenant(), name, Graphs::Access::Change);
+}
+
 std::string warningsText(const std::vector<std::string>& warnings) {
   std::string text;
   for (const std::string& w : warnings) text += "\nwarning: " + w;
@@ -41,9 +46,12 @@ json list(Graphs& graphs, Request& request, Arguments arguments) {
   arguments.expectEnd();
   json all = json::array();
   std::string text = "graphs:";
-  for (const auto& graph : graphs.list(request.session().tenant())) {
+  for (const auto& [graph, shared] : graphs.list(request.session().tenant())) {
     all.push_back(graph->summary());
-    const json& g = all.back();
+    json& g = all.back();
+    g["owner"] = graph->tenant();
+    g["scope"] = shared ? "shared" : "private";
+    if (shared) g["read only"] = *shared == Graphs::Access::Look;
     text += "\n" + graph->name() + ": revision " + g["revision"].dump() + ", " + g["nodes"].dump() +
             " nodes" + (g["paused"].get<bool>() ? ", paused" : "");
   }
@@ -74,9 +82,22 @@ json get(Graphs& graphs, Request& request, Arguments arguments) {
   return result;
 }
 
+json numbers(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord(), node = arguments.expectWord();
+  const auto from = arguments.number();
+  arguments.expectEnd();
+  if (from && (*from < 1 || *from > 1e15 || *from != double(uint64_t(*from))))
+    arguments.fail("a generation is an integer from 1 up");
+  const json numbers =
+      graphs.get(request.session().tenant(), name)->numbers(node, Generation(from.value_or(1)));
+  std::string text;
+  for (const json& entry : numbers) text += (text.empty() ? "" : "\n") + entry.dump();
+  return {{"numbers", numbers}, {"text", text}};
+}
+
 json edit(Graphs& graphs, Request& request, Arguments arguments) {
   const std::string name = arguments.expectWord();
-  const auto graph = graphs.get(request.session().tenant(), name);
+  const auto graph = changed(graphs, request, name);
   DocumentReader reader(request);
   const json what = reader.object(arguments.expectJson(), "edit");
   for (const auto& [key, value] : what.items())
@@ -136,7 +157,7 @@ json run(Graphs& graphs, Request& request, Arguments arguments) {
   const std::string name = arguments.expectWord();
   const auto node = arguments.word();
   arguments.expectEnd();
-  graphs.get(request.session().tenant(), name)->run(node);
+  changed(graphs, request, name)->run(node);
   return nullptr;
 }
 
@@ -144,21 +165,21 @@ json cancel(Graphs& graphs, Request& request, Arguments arguments) {
   const std::string name = arguments.expectWord();
   const auto node = arguments.word();
   arguments.expectEnd();
-  graphs.get(request.session().tenant(), name)->cancel(node);
+  changed(graphs, request, name)->cancel(node);
   return nullptr;
 }
 
 json pause(Graphs& graphs, Request& request, Arguments arguments) {
   const std::string name = arguments.expectWord();
   arguments.expectEnd();
-  graphs.get(request.session().tenant(), name)->pause();
+  changed(graphs, request, name)->pause();
   return nullptr;
 }
 
 json resume(Graphs& graphs, Request& request, Arguments arguments) {
   const std::string name = arguments.expectWord();
   arguments.expectEnd();
-  graphs.get(request.session().tenant(), name)->resume();
+  changed(graphs, request, name)->resume();
   return nullptr;
 }
 
@@ -206,6 +227,21 @@ json drop(Graphs& graphs, Request& request, Arguments arguments) {
   return nullptr;
 }
 
+json publish(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  const bool writable = arguments.taken("writable");
+  arguments.expectEnd();
+  graphs.publish(request.session().tenant(), name, writable ? Graphs::Access::Change : Graphs::Access::Look);
+  return nullptr;
+}
+
+json unpublish(Graphs& graphs, Request& request, Arguments arguments) {
+  const std::string name = arguments.expectWord();
+  arguments.expectEnd();
+  graphs.unpublish(request.session().tenant(), name);
+  return nullptr;
+}
+
 }  // namespace
 }  // namespace gxy::graph
 
@@ -226,6 +262,8 @@ GALAXY_MODULE(registration) {
   add("list", "", "Names the graphs.", Order::InTurn, graph::list);
   add("new", "NAME [JSON]", "Makes a graph, of a document or empty.", Order::InTurn, graph::make);
   add("get", "NAME", "The document of a graph, and the states of its nodes.", Order::InTurn, graph::get);
+  add("numbers", "NAME NODE [GENERATION]", "What a node has told of its generations, from one on.",
+      Order::InTurn, graph::numbers);
   add("edit", "NAME {\"edits\": [...]}", "Changes the document, all or nothing.", Order::InTurn, graph::edit);
   add("watch", "NAME", "Events of a graph: edits, states, who watches.", Order::InTurn, graph::watch);
   add("unwatch", "NAME", "No more of these events.", Order::InTurn, graph::unwatch);
@@ -236,5 +274,8 @@ GALAXY_MODULE(registration) {
   add("wait", "NAME [SECONDS]", "Until nothing is being evaluated.", Order::Aside, graph::wait);
   add("check", "JSON", "What is wrong with a document.", Order::InTurn, graph::check);
   add("types", "", "What filters there are, with their inputs and properties.", Order::InTurn, graph::types);
+  add("publish", "NAME [writable]", "Lets all tenants look at a graph, or also change it.", Order::InTurn,
+      graph::publish);
+  add("unpublish", "NAME", "Takes a graph back.", Order::InTurn, graph::unpublish);
   add("drop", "NAME", "Ends a graph, and forgets what it has made.", Order::Aside, graph::drop);
 }
