@@ -219,15 +219,19 @@ void declareFields(OwnedGeometry& geometry, Collectives& ranks) {
   const std::vector<Bytes> told = ranks.allGather(mine.take());
   agree(ranks, [&] {
     std::optional<std::vector<PointField>> all;
+    std::vector<PointField> ofNone;  // where no rank has points
     for (const Bytes& message : told) {
-      if (message.at(0) == std::byte(0)) continue;
       std::vector<PointField> fields = fieldsIn(Bytes(message.begin() + 1, message.end()));
+      if (message.at(0) == std::byte(0)) {
+        if (ofNone.empty()) ofNone = std::move(fields);
+        continue;
+      }
       if (all && !areAlike(*all, fields))
         throw Error(geometry.name +
                     ": ranks have different fields of points, expected the same names and components");
       all = std::move(fields);
     }
-    if (block.points.empty() && all) block.fields = *all;
+    if (block.points.empty()) block.fields = all ? *all : ofNone;
     geometry.fields.clear();
     for (const PointField& f : block.fields)
       geometry.fields.push_back({f.name, f.components, std::vector<Range>(partsOf(f.components))});
