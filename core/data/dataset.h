@@ -74,4 +74,7 @@ struct Dataset {
   int components() const;
 };
 
+/// Returns the newest step of the sources of a dataset; 0 if it has none.
+int64_t newestStep(const Dataset& dataset);
+
 }  // namespace gxy

@@ -16,14 +16,20 @@ const char* typeName(VisType type) {
   return kNames[unsigned(type)];
 }
 
+// What took the place of operators of the earlier Galaxy.
+constexpr const char* kIsosurfaceEntry =
+    R"json({"filter": "IsosurfaceSampler", "inputs": {"field": DATASET}, "isovalue": VALUE})json";
+constexpr const char* kGradientEntry =
+    R"json({"filter": "IsosurfaceSampler", "inputs": {"field": GRADIENT}, "isovalue": VALUE}, where GRADIENT is )json"
+    R"json({"filter": "Derive", "inputs": {"f": DATASET}, "expression": "mag(grad(f))"})json";
+
 void readType(const Found& found, Vis& vis) {
   std::string name = found.text();
   if (name.ends_with("Vis")) name.resize(name.size() - 3);
   if (name == "IsoSampler" || name == "GradientSampler") {
-    found.context.fail(found.value.at,
-                       inQuotes(found.key, '`') + ": " + inQuotes(found.text()) +
-                           " samples data and is not supported by rendering; expected Volume, "
-                           "Particles, PathLines or Triangles");
+    found.context.fail(found.value.at, inQuotes(found.key, '`') + ": " + inQuotes(found.text()) +
+                                           " samples data, which an entry of `Datasets` does now: " +
+                                           (name == "IsoSampler" ? kIsosurfaceEntry : kGradientEntry));
   }
   if (name == "Volume") {
     vis.type = VisType::Volume;

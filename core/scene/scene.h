@@ -172,6 +172,22 @@ struct Annotations {
   bool operator==(const Annotations&) const = default;
 };
 
+/// Something that is made of data beside pictures of windows.
+struct OutputSpec {
+  enum class Type { DataFile, Pictures, Publish };
+  std::string name;  ///< each once; default: `to`
+  Type type = Type::DataFile;
+  std::string of;  ///< DataFile and Publish: a dataset; Pictures: a view of a graph document
+  std::string to;  ///< DataFile and Pictures: the file; Publish: what the dataset is called
+  bool operator==(const OutputSpec&) const = default;
+};
+
+/// Returns the name of a type as state files have it.
+const char* nameOf(OutputSpec::Type type);
+
+/// Returns `to` with {step} replaced by a number of at least six digits.
+std::string fileOfStep(const std::string& to, int64_t step);
+
 /// A whole state file.
 struct State {
   std::vector<DatasetSpec> datasets;
@@ -179,6 +195,7 @@ struct State {
   std::vector<Visualization> visualizations;
   std::vector<Camera> cameras;
   Annotations annotations;
+  std::vector<OutputSpec> outputs;
   bool operator==(const State&) const = default;
 };
 

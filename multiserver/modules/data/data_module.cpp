@@ -30,7 +30,7 @@ json list(Request& request, protocol::Arguments arguments) {
   json datasets = json::array();
   std::string text = "datasets:";
   for (const NamedDataset& d : datasetsOf(request).list(request.session().tenant())) {
-    if (d.ofGraph && !all) continue;
+    if (d.ofGraph && d.name.find('/') != std::string::npos && !all) continue;
     datasets.push_back(listed(d));
     text += "\n" + d.name;
   }
@@ -227,7 +227,6 @@ GALAXY_MODULE(registration) {
   registration.verb(verb("import", "[shared] [new | like NAME] {\"Datasets\": [...]}",
                          "Reads files; each becomes a dataset, or a new generation of one.", Order::Aside,
                          import));
-  addExportWork(registration);
   registration.verb(verb("export", "NAME FILE",
                          "Writes a dataset to a file: .vti, or .vtp, .vtu, .csv, .ply, .stl.", Order::Aside,
                          exportDataset));

@@ -12,8 +12,7 @@
 
 #include "core/comm/error.h"
 #include "core/data/gather.h"
-#include "core/data/geometry_bytes.h"
-#include "multiserver/modules/data/gathering.h"
+#include "core/io/write_dataset.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/exchanges.h"
 
