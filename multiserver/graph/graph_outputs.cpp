@@ -2,6 +2,7 @@
 // What a graph makes of data beside showing them: files, pictures and names.
 #include <algorithm>
 #include <filesystem>
+#include <future>
 
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
