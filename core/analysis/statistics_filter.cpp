@@ -7,6 +7,7 @@
 #include "core/analysis/field_reader.h"
 #include "core/analysis/statistics.h"
 #include "core/comm/error.h"
+#include "core/data/shown_array.h"
 
 namespace gxy {
 namespace {
@@ -57,8 +58,9 @@ FilterInfo StatisticsFilter::info() {
 std::vector<KeyRow<StatisticsFilter>> StatisticsFilter::properties() {
   using S = StatisticsFilter;
   return {
+      textKey("array", &S::array, "Of geometry: which field of its points.").byDefault("its values"),
       customKey<S>(
-          "component", "integer >= 0", "The component of a field that has several.",
+          "component", "integer >= 0", "The component of a field, or of an `array`, that has several.",
           [](const Found& f, S& s) {
             s.component = f.integer({0, 1023});
           },
@@ -103,19 +105,27 @@ FilterResult StatisticsFilter::run(FilterRun& run) const {
   FilterResult result;
   run.begin(0, 1, "statistics");
   if (source.data->geometry) {
+    const ShownArray shown{array, component};
+    std::shared_ptr<const OwnedGeometry> geometry = source.data->geometry;
+    LedgerEntry memory;
     agree(run.ranks, [&] {
-      if (component || !where.empty())
-        throw Error("Statistics: `component` and `where` are for fields on a grid, and " +
+      if ((component && array.empty()) || !where.empty())
+        throw Error("Statistics: `component` without `array`, and `where`, are for fields on a grid, and " +
                     inQuotes(source.name) + " is geometry");
+      if (showsOwnValues(*geometry, shown)) return;
+      memory = run.takeMemory("geometry", bytesToShow(*geometry, shown));
+      geometry = geometryToShow(geometry, shown, source.name);
     });
-    GeometryKind kind = source.data->geometry->kind;
-    result.told =
-        described(geometryStatistics(source.data->geometry->block, kind, run.ranks, options), &kind);
+    GeometryKind kind = geometry->kind;
+    result.told = described(geometryStatistics(geometry->block, kind, run.ranks, options), &kind);
     return result;
   }
   const Volume& volume = *source.data->volume;
   std::optional<Expression> condition;
   agree(run.ranks, [&] {
+    if (!array.empty())
+      throw Error("Statistics: `array` is for fields of points, and " + inQuotes(source.name) +
+                  " is a volume");
     const int number = componentOf(volume, source.name, component);
     options.component = number < 0 ? volume.components : number;
     if (!where.empty()) condition.emplace(where);

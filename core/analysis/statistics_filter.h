@@ -11,6 +11,7 @@ namespace gxy {
 
 /// It tells numbers and makes no dataset. statistics.h says what they are.
 struct StatisticsFilter {
+  std::string array;             ///< of the points of geometry; empty: its values
   std::optional<int> component;  ///< none: the magnitude of several components
   std::string where;             ///< a logical expression of the inputs; empty: everywhere
   int histogram = 0;

@@ -2,6 +2,7 @@
 // The filters Derive and Statistics: what they tell, and what they refuse.
 #include "core/analysis/derive_filter.h"
 
+#include "core/analysis/made_geometry.h"
 #include "core/analysis/number_filter.h"
 #include "core/analysis/seeds_filter.h"
 #include "core/analysis/statistics_filter.h"
@@ -116,6 +117,36 @@ TEST(StatisticsFilter, OfGeometryHasNoCondition) {
   };
   EXPECT_EQ(told("{}").at("count"), 0) << "seeds have no values";
   EXPECT_THROW(told(R"json({"where": "field > 0"})json"), Error);
+}
+
+TEST(StatisticsFilter, OfGeometryMayBeOfAnyFieldOfItsPoints) {
+  SingleRank alone;
+  GeometryBlock block;
+  block.fields = {{"pair", 2, {}}};
+  for (int i = 0; i < 10; i++) {
+    block.points.push_back({i, 0, 0});
+    block.values.push_back(1);
+    block.fields[0].values.insert(block.fields[0].values.end(), {3 * float(i), -4 * float(i)});
+    block.ids.push_back(uint64_t(i));
+  }
+  const Cut cut = whole(smallGrid().box());
+  FilterRun making(alone, {}, freeServices());
+  const std::shared_ptr<const Dataset> points =
+      madeGeometry(making, "points", GeometryKind::Particles, block,
+                   std::make_shared<const Partitioning>(cut.partitioning), {}, "one");
+  const auto told = [&](const std::string& properties) {
+    FilterRun run(alone, {{"field", {{"p", {}, 1, points}}}}, freeServices());
+    return evaluate(*makeFilter<StatisticsFilter>(), run, properties).told;
+  };
+  EXPECT_EQ(told("{}").at("sum"), 10);
+  EXPECT_EQ(told(R"({"array": "one"})").at("sum"), 10);
+  EXPECT_EQ(told(R"({"array": "pair"})").at("largest").at("value"), 45);
+  EXPECT_EQ(told(R"({"array": "pair", "component": 1})").at("least").at("value"), -36);
+  EXPECT_THROW(told(R"({"array": "other"})"), Error);
+  EXPECT_THROW(told(R"({"array": "pair", "component": 2})"), Error);
+  EXPECT_THROW(told(R"({"component": 0})"), Error);
+  EXPECT_NE(test::told<StatisticsFilter>({{"field", kRamp}}, R"({"array": "x"})").second.find("is a volume"),
+            std::string::npos);
 }
 
 }  // namespace
