@@ -90,6 +90,27 @@ std::shared_ptr<const CompiledSampling> compileSampling(std::shared_ptr<const Co
   return sampling;
 }
 
+void addSample(const CompiledSampling& sampling, const RecordedHit& hit, SampleList& samples) {
+  samples.values.resize(size_t(sampling.recorded));
+  samples.ray.push_back(hit.ray);
+  samples.hit.push_back(hit.hit);
+  samples.depth.push_back(hit.depth);
+  samples.surface.push_back(hit.surface);
+  samples.t.push_back(hit.t);
+  // In double from the ray alone, so that it has the same bits whatever the partitions.
+  const RenderSpace& space = sampling.scene->space;
+  const glm::dvec3 at = glm::dvec3(hit.origin) + double(hit.t) * glm::dvec3(hit.direction);
+  samples.position.push_back(space.centre + at / space.scale);
+  for (size_t f = 0; f < samples.values.size(); f++) {
+    const Volume& volume = *sampling.fields[f].volume;
+    samples.values[f].push_back(float(volume.shift + volume.scale * hit.values[f * hit.stride]));
+  }
+  if (!sampling.gradient) return;
+  const CompiledOperator& op = sampling.scene->operators[hit.surface];
+  const double unit = (op.data.volume ? op.data.volume->scale : 1) * space.scale;
+  samples.gradient.emplace_back(glm::dvec3(hit.gradient[0], hit.gradient[1], hit.gradient[2]) * unit);
+}
+
 Visualization forSampling(Visualization visualization) {
   visualization.lighting = {};
   visualization.lighting.sources.clear();

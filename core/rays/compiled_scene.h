@@ -109,6 +109,8 @@ struct CompiledScene {
   /// Cells of local macrocells that an isovalue passes through, if they hold no isovalue or the block lacks
   /// them. Rays skip them.
   uint64_t isoCellsSkipped = 0;
+  /// It is for samplings alone: no frame is made of it, so devices need not prepare any.
+  bool sampled = false;
   double largestRadiance = 1;  ///< bound on the light of a hit or a segment
 
   /// Bytes that this scene holds alone, besides the data.
