@@ -84,9 +84,9 @@
 #define RECORD_WORDS 5
 #define TILE_RAYS 1024u
 #define DEPTH_WORDS 3
-// A sample: number of the ray (low, high), of its hit, of its ancestors, operator, t, origin and direction of the ray; then the
-// stored values of all fields of the sampling, and the gradient if it is asked for.
-#define SAMPLE_WORDS 12
+// A sample: number of the ray (low, high), of its hit, of its ancestors, operator, t, origin and direction of the ray, kind and number of
+// what it has met; then the stored values of all fields of the sampling, and the gradient if it is asked for.
+#define SAMPLE_WORDS 14
 #define MOST_SAMPLED_FIELDS 16
 
 // The fields of a ray on the device besides those of ray_fields.h: F(type, name).

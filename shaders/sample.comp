@@ -68,6 +68,8 @@ void main() {
     records[at + 9u] = floatBitsToInt(d.x);
     records[at + 10u] = floatBitsToInt(d.y);
     records[at + 11u] = floatBitsToInt(d.z);
+    records[at + 12u] = GIVEN(hitKind);
+    records[at + 13u] = int(GIVEN(hitPrimitive));
     at += uint(SAMPLE_WORDS);
     for (int f = 0; f < fields; f++) records[at + uint(f)] = floatBitsToInt(value[f]);
     if (theSampling.gradient != 0) {

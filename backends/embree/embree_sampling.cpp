@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "act_sample_ispc.h"
-#include "backends/embree/view_pointers.h"
 #include "core/rays/fill_views.h"
+#include "core/rays/view_pointers.h"
 
 namespace gxy {
 
@@ -59,8 +59,11 @@ void EmbreeSampling::record(const single::SceneView& scene, int partition, RayVi
                uint32_t(rays.sg[i]),
                uint32_t(rays.hitOperator[i]),
                rays.tHit[i],
-               {rays.ox[i], rays.oy[i], rays.oz[i]},
-               {rays.dx[i], rays.dy[i], rays.dz[i]},
+               {{rays.ox[i], rays.oy[i], rays.oz[i]},
+                {rays.dx[i], rays.dy[i], rays.dz[i]},
+                uint32_t(rays.hitKind[i]),
+                rays.hitPrimitive[i],
+                partition},
                values.data() + k,
                n,
                gradients.data() + (s.gradient ? 3 * k : 0)},

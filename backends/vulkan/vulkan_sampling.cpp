@@ -45,7 +45,7 @@ size_t VulkanSampling::words() const {
   return SAMPLE_WORDS + sampling_->views.size() + (sampling_->gradient ? 3 : 0);
 }
 
-void VulkanSampling::take(std::span<const int32_t> written, SampleList& samples) const {
+void VulkanSampling::take(std::span<const int32_t> written, int partition, SampleList& samples) const {
   const auto real = [](int32_t word) { return std::bit_cast<float>(word); };
   const size_t fields = sampling_->views.size();
   std::vector<float> values(fields + 3);
@@ -58,8 +58,11 @@ void VulkanSampling::take(std::span<const int32_t> written, SampleList& samples)
                uint32_t(w[3]),
                uint32_t(w[4]),
                real(w[5]),
-               {real(w[6]), real(w[7]), real(w[8])},
-               {real(w[9]), real(w[10]), real(w[11])},
+               {{real(w[6]), real(w[7]), real(w[8])},
+                {real(w[9]), real(w[10]), real(w[11])},
+                uint32_t(w[12]),
+                uint32_t(w[13]),
+                partition},
                values.data(),
                1,
                values.data() + fields},

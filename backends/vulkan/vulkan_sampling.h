@@ -24,8 +24,8 @@ class VulkanSampling {
   std::vector<int32_t> view() const;
   /// The number of words of a sample that the act writes.
   size_t words() const;
-  /// Adds samples that it has written.
-  void take(std::span<const int32_t> written, SampleList& samples) const;
+  /// Adds samples that it has written, in a partition.
+  void take(std::span<const int32_t> written, int partition, SampleList& samples) const;
 
  private:
   const std::shared_ptr<const CompiledSampling> sampling_;

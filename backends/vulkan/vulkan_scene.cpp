@@ -81,7 +81,7 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
                  context_->device.isSoftware() ? kTile * kTile : int(batchRaysOf(context_->device))) {
   const auto& operators = scene_->operators;
   for (size_t i = 0; i < operators.size(); i++) {
-    if (!operators[i].slices.empty()) slicedOperators_.push_back(int(i));
+    if (!operators[i].slices.empty() || operators[i].every > 0) slicedOperators_.push_back(int(i));
     if (!operators[i].isovalues.empty()) isoOperators_.push_back(int(i));
     isClipped_ = isClipped_ || !operators[i].clips.empty();
     if (operators[i].vis.type == VisType::Volume && operators[i].vis.volumeRendering)

@@ -184,7 +184,7 @@ std::shared_ptr<Sampling> Sampler::build(SceneBuilder& builder, SamplingSource s
   sampling->scene = builder.build(std::move(source.scene), ranks, enter, onItem);
   agree(ranks, [&] {
     sampling->compiled = compileSampling(sampling->scene.compiled, std::move(source.fields), source.recorded,
-                                         std::move(source.rules), source.gradient);
+                                         std::move(source.rules), source.gradient, source.met);
     sampling->frame = sampling->scene.device->makeSampling(sampling->compiled);
   });
   return sampling;

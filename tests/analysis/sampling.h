@@ -41,7 +41,7 @@ struct SamplingCase {
       geometry;                                ///< by operator of another type than VisType::Volume
   std::vector<std::pair<size_t, int>> fields;  ///< volume and component
   int recorded = 0;
-  bool gradient = false;
+  bool gradient = false, met = false;
   std::vector<HitRule> rules;
 };
 
@@ -96,6 +96,7 @@ class SamplingRanks {
     for (const auto& [v, component] : c.fields) s.fields.push_back({parts[v][size_t(rank)], component});
     s.recorded = c.recorded;
     s.gradient = c.gradient;
+    s.met = c.met;
     s.rules = c.rules;
     return s;
   }

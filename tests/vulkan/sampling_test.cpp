@@ -8,7 +8,8 @@
 #include <limits>
 
 #include "backends/embree/embree_backend.h"
-#include "tests/analysis/sampling.h"
+#include "core/analysis/ray_filter.h"
+#include "tests/analysis/sampled.h"
 #include "tests/support/scenes.h"
 #include "tests/vulkan/test_device.h"
 
@@ -78,6 +79,11 @@ std::string bytesOfSamples(const SampleList& list) {
   add(list.ray), add(list.hit), add(list.depth), add(list.surface), add(list.t), add(list.position);
   for (const auto& values : list.values) add(values);
   add(list.gradient);
+  // Places in a partition differ, and so do the bytes between members.
+  for (const MetSurface& met : list.met) {
+    bytes.append(reinterpret_cast<const char*>(&met.origin), sizeof met.origin + sizeof met.direction);
+    bytes.push_back(char(met.kind));
+  }
   return bytes;
 }
 
@@ -195,6 +201,51 @@ TEST(VulkanSampling, OfTinyAndFarValuesAndLengths) {
     c.gradient = true;
     c.rules = {{{{1, 101325.0, kInfinity}}, kMostHits}};
     expectTheSame(c, box, 100, 400);
+  }
+}
+
+TEST(VulkanSampling, AtEqualDistancesInVolumesWithHoles) {
+  const Box box = sceneDomain();
+  SamplingCase c;
+  c.volumes = {threeComponents(box, {13, 12, 14})};
+  std::vector<float> values(c.volumes[0].samples.size() / sizeof(float));
+  std::memcpy(values.data(), c.volumes[0].samples.data(), c.volumes[0].samples.size());
+  for (size_t i = 0; i < values.size(); i += 83) values[i] = kNone;
+  std::memcpy(c.volumes[0].samples.data(), values.data(), c.volumes[0].samples.size());
+  Vis vis;
+  vis.component = 1;
+  vis.every = 0.07;
+  vis.clipPlanes = {{{0.2, 1, 0}, -0.4}};
+  c.operators = {vis};
+  vis.every = 0;
+  vis.isovalues = {0.2};
+  c.operators.push_back(vis);
+  c.shown = {0, 0};
+  c.fields = {{0, 0}};
+  c.recorded = 1;
+  c.met = true;
+  c.rules = {{{{0, -0.8, kInfinity}}, kMostHits}, {{}, 20}};
+  expectTheSame(c, box, 3000, 400);
+}
+
+TEST(VulkanSampling, OfRaysThatFollowOthers) {
+  const Box box{glm::dvec3(0), glm::dvec3(1)};
+  const WholeVolume a = threeComponents(box, {15, 18, 11}), b = sampled(unitGrid(9), squaredDistance);
+  Evaluation evaluation;
+  evaluation.inputs = {{"a", {&a}}, {"b", {&b}}};
+  const std::string properties = R"({"lines":60,"depth":3,"values":"b","operators":[
+    {"dataset":"a","component":1,"isovalues":[0.1,-0.3],"next":{"spawn":2}},
+    {"dataset":"b","isovalues":[0.09],"next":{"redirect":"refract","n1":1.4,"n2":1}},
+    {"dataset":"a","planes":[[1,1,0,0.9]],"next":{"redirect":"mirror"},"hits":2}]})";
+  const SampledPoints expected = evaluateOn<RaySampler>(whole(box), evaluation, properties);
+  EXPECT_GT(expected.points.size(), 200u);
+  evaluation.run.backend = &testedVulkan();
+  for (const Cut& cut : {whole(box), octants(box, {0.37, 0.61, 0.44}, 3)}) {
+    const SampledPoints found = evaluateOn<RaySampler>(cut, evaluation, properties);
+    EXPECT_EQ(found.points.size(), expected.points.size()) << cut.name;
+    if (isSoftware()) {
+      EXPECT_TRUE(found == expected) << cut.name;
+    }
   }
 }
 
