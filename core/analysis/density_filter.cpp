@@ -7,6 +7,7 @@
 #include "core/analysis/macrocell_densities.h"
 #include "core/analysis/made_geometry.h"
 #include "core/analysis/random_numbers.h"
+#include "core/analysis/recorded_fields.h"
 #include "core/comm/error.h"
 #include "core/comm/parallel_for.h"
 #include "core/comm/wire.h"
@@ -114,7 +115,8 @@ FilterInfo DensitySampler::info() {
           "Points at random, whose density in space is proportional to a field or to a map of it. The first "
           "n of them are the points "
           "for a smaller `count`.",
-          {{"field", kVolumes, "The field."}},
+          {{"field", kVolumes, "The field."},
+           {"values", kVolumes, "Further volumes whose values the points get.", FilterPort::Count::Any}},
           DatasetType::Particles};
 }
 
@@ -138,6 +140,9 @@ std::vector<KeyRow<DensitySampler>> DensitySampler::properties() {
             return d.map.empty() ? OrderedJson() : toJson(OpacityMap{true, d.map});
           })
           .byDefault("the value, and 0 where it is below 0"),
+      flagKey(
+          "gradient", &D::gradient,
+          "Whether points get the gradient of `field`, per unit of the world, as their field `gradient`."),
   };
 }
 
@@ -164,7 +169,13 @@ FilterResult DensitySampler::run(FilterRun& run) const {
   const Dataset& field = *source.data;
   Collectives& ranks = run.ranks;
   int number = 0;
-  agree(ranks, [&] { number = componentOf(*field.volume, source.name, component); });
+  const auto values = run.inputs().find("values");
+  const std::span<const FilterSource> further =
+      values == run.inputs().end() ? std::span<const FilterSource>() : values->second;
+  agree(ranks, [&] {
+    number = componentOf(*field.volume, source.name, component);
+    checkNames(further, "DensitySampler");
+  });
   run.begin(0, 2, "bounds of the density");
   const Candidates candidates(*this, *field.volume, *field.partitioning, number, ranks);
   if (candidates.total() == 0)
@@ -202,10 +213,14 @@ FilterResult DensitySampler::run(FilterRun& run) const {
     memory.clear();
     whole = run.takeMemory("geometry", int64_t(block.points.size()) * kPointBytes);
   });
+  recordFields(run, further, block, memory);
+  if (gradient) recordGradient(run, field, number, block, memory);
   FilterResult result;
-  result.dataset = madeGeometry(run, "density samples", GeometryKind::Particles, std::move(block),
-                                field.partitioning, std::move(whole));
+  result.dataset =
+      madeGeometry(run, "density samples", GeometryKind::Particles, std::move(block), field.partitioning,
+                   std::move(whole), nameOfComponent(source.name, field.volume->components, number));
   result.told = {{"particles", found}, {"candidates", tried}};
+  result.told["fields"] = toldOfPoints(*result.dataset->geometry);
   if (found < uint64_t(count)) result.told.update({{"found", found}, {"count", count}});
   return result;
 }

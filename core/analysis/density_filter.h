@@ -16,6 +16,7 @@ namespace gxy {
 struct DensitySampler {
   int count = 1000;
   int seed = 0;
+  bool gradient = false;          ///< points get the field's gradient
   std::optional<int> component;   ///< none: the magnitude of several components
   std::vector<OpacityPoint> map;  ///< density by value; none: the value itself, and 0 where it is below 0
 

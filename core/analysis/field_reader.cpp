@@ -63,16 +63,16 @@ int FieldReader::partitionOf(const Index3& cell) const {
   return partitioning_.nearest(worldOf({cell, glm::dvec3(0.5)}));
 }
 
-double FieldReader::value(int partition, const GridPlace& place, int component) const {
+FieldReader::Corners FieldReader::corners(int partition, const Index3& cell, int component) const {
   const Block& block = blocks_.at(partition);
   const Index3& first = block.samples->extent.first;
   const size_t pointBytes = bytesOf(volume_.stored) * size_t(volume_.components);
   return withType(volume_.stored, [&](auto type) {
     using T = decltype(type);
-    std::array<double, 8> corners;
+    Corners corners;
     double finite = 0;
     for (size_t i = 0; i < 8; i++) {
-      const auto at = [&](size_t a, size_t upper) { return place.cell[a] + int64_t(upper) - first[a]; };
+      const auto at = [&](size_t a, size_t upper) { return cell[a] + int64_t(upper) - first[a]; };
       const std::byte* point =
           &block.samples->samples[block.bricks(at(0, i & 1), at(1, i >> 1 & 1), at(2, i >> 2)) * pointBytes];
       const auto valueOf = [&](int c) { return volume_.shift + volume_.scale * sampleAt<T>(point, c); };
@@ -85,8 +85,25 @@ double FieldReader::value(int partition, const GridPlace& place, int component) 
       }
       finite += corners[i] - corners[i];
     }
-    return finite == 0 ? trilinear(corners, place.fraction) : std::numeric_limits<double>::quiet_NaN();
+    if (!(finite == 0)) corners.fill(std::numeric_limits<double>::quiet_NaN());
+    return corners;
   });
+}
+
+double FieldReader::value(int partition, const GridPlace& place, int component) const {
+  const Corners c = corners(partition, place.cell, component);
+  return std::isnan(c[0]) ? c[0] : trilinear(c, place.fraction);
+}
+
+glm::dvec3 FieldReader::gradient(int partition, const GridPlace& place, int component) const {
+  const Corners c = corners(partition, place.cell, component);
+  const glm::dvec3& f = place.fraction;
+  const auto along = [&](size_t step, size_t u, size_t v, double fu, double fv) {
+    const auto difference = [&](size_t from) { return c[from + step] - c[from]; };
+    return mix(mix(difference(0), difference(u), fu), mix(difference(v), difference(u + v), fu), fv);
+  };
+  return glm::dvec3(along(1, 2, 4, f.y, f.z), along(2, 1, 4, f.x, f.z), along(4, 1, 2, f.x, f.y)) /
+         volume_.grid.spacing;
 }
 
 int componentOf(const Volume& volume, const std::string& dataset, std::optional<int> component) {

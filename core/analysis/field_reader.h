@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values of a volume at points between its samples.
 #pragma once
+#include <array>
 #include <glm/vec3.hpp>
 #include <map>
 #include <memory>
@@ -34,8 +35,14 @@ class FieldReader {
   /// Returns the value of a component, or the magnitude of all for -1: that of the samples, between which it is trilinear, as in
   /// pictures. NaN in a cell with a sample that is NaN or infinite. The partition is one of this rank and its block contains the cell.
   double value(int partition, const GridPlace& place, int component) const;
+  /// Returns the gradient of what value() returns, per world unit: that of the polynomial of the place's cell. NaN as there.
+  glm::dvec3 gradient(int partition, const GridPlace& place, int component) const;
 
  private:
+  using Corners = std::array<double, 8>;
+  /// The values at a cell's corners, x fastest; all NaN in a cell without data.
+  Corners corners(int partition, const Index3& cell, int component) const;
+
   struct Block {
     const VolumeBlock* samples;
     Bricks bricks;

@@ -29,8 +29,17 @@ Bytes bytesOf(const std::vector<T>& values) {
 
 FieldValues valuesAt(const Volume& volume, const Partitioning& partitioning, std::span<const int> components,
                      std::span<const glm::dvec3> points, Collectives& ranks) {
+  const auto read = [components](const FieldReader& reader, int partition, const GridPlace& place,
+                                 float* values) {
+    for (const int c : components) *values++ = float(reader.value(partition, place, c));
+  };
+  return readAt(volume, partitioning, components.size(), read, points, ranks);
+}
+
+FieldValues readAt(const Volume& volume, const Partitioning& partitioning, size_t count,
+                   const ReadPlace& read, std::span<const glm::dvec3> points, Collectives& ranks) {
   const FieldReader reader(volume, partitioning);
-  const size_t n = components.size(), size = size_t(ranks.size());
+  const size_t n = count, size = size_t(ranks.size());
   const std::vector<uint64_t> counts = gatherCounts(ranks, points.size());
   const uint64_t most = *std::max_element(counts.begin(), counts.end());
   FieldValues result;
@@ -68,8 +77,7 @@ FieldValues valuesAt(const Volume& volume, const Partitioning& partitioning, std
             size_t(0), places.size(),
             [&](size_t i) {
               const int partition = reader.partitionOf(places[i].cell);
-              for (size_t c = 0; c < n; c++)
-                values[i * n + c] = float(reader.value(partition, places[i], components[c]));
+              read(reader, partition, places[i], &values[i * n]);
             },
             [&](double) { ranks.check(); });
         answers[r] = bytesOf(values);

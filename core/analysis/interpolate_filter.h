@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter Interpolate: values of a volume at the points of geometry.
+// The filter Interpolate: values of volumes at the points of geometry.
 #pragma once
 #include <optional>
 #include <vector>
@@ -8,9 +8,10 @@
 
 namespace gxy {
 
-/// The points keep their order, ids and lines, and get the values of a field: NaN outside the field and where it has no data.
+/// The points keep their order, ids, lines and fields, and get those of volumes: NaN outside a volume and where it has no data. What
+/// is shown is the first volume, or a component of it.
 struct Interpolate {
-  std::optional<int> component;  ///< none: the magnitude of several components
+  std::optional<int> component;  ///< of the first, which is shown; none: the magnitude of several
 
   static FilterInfo info();
   static std::vector<KeyRow<Interpolate>> properties();

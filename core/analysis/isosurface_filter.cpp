@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/analysis/made_geometry.h"
 #include "core/analysis/sampled_points.h"
 #include "core/comm/error.h"
 
@@ -67,9 +68,14 @@ uint64_t nextRound(const HitCensus& census, uint64_t count, uint64_t most) {
   return std::min((uint64_t(lines) / kLinesOfRound + 1) * kLinesOfRound, left);
 }
 
-SamplingSource isosurfaceSource(const IsosurfaceSampler& filter, FilterRun& run) {
+std::span<const FilterSource> isosurfaceValues(const FilterRun& run) {
+  const auto found = run.inputs().find("values");
+  return found == run.inputs().end() ? std::span<const FilterSource>() : found->second;
+}
+
+SamplingSource isosurfaceSource(const IsosurfaceSampler& filter, FilterRun& run,
+                                const SampledVolumes& recorded) {
   const FilterSource& field = run.input("field");
-  const FilterSource* values = run.optional("values");
   SamplingSource source;
   Vis vis;
   vis.dataset = field.name;
@@ -81,9 +87,9 @@ SamplingSource isosurfaceSource(const IsosurfaceSampler& filter, FilterRun& run)
   source.rules = {{{}, kMostHits}};
   source.priority.tenant = run.services().turn;
   source.account = run.services().tenant;
-  if (!values) return source;
-  source.fields = {{values->data->volume, -1}};
-  source.recorded = 1;
+  source.fields = recorded.sampled;
+  source.recorded = int(recorded.sampled.size());
+  source.gradient = filter.gradient;
   return source;
 }
 
@@ -93,10 +99,10 @@ void checkIsosurface(const IsosurfaceSampler& filter, FilterRun& run) {
     throw Error("IsosurfaceSampler: `component` is " + std::to_string(*filter.component) + ", but " +
                 inQuotes(field.name) + " has " + std::to_string(field.data->volume->components) +
                 " (counted from 0)");
-  const FilterSource* values = run.optional("values");
-  if (values && !(*values->data->partitioning == *field.data->partitioning))
-    throw Error("IsosurfaceSampler: " + inQuotes(values->name) + " and " + inQuotes(field.name) +
-                " are cut differently, expected volumes on the same partitions");
+  for (const FilterSource& values : isosurfaceValues(run))
+    if (!(*values.data->partitioning == *field.data->partitioning))
+      throw Error("IsosurfaceSampler: " + inQuotes(values.name) + " and " + inQuotes(field.name) +
+                  " are cut differently, expected volumes on the same partitions");
 }
 
 }  // namespace
@@ -106,7 +112,8 @@ FilterInfo IsosurfaceSampler::info() {
           1,
           "Points on an isosurface, uniformly distributed by area. It also tells the area.",
           {{"field", kVolumes, "The volume that the isosurface is of."},
-           {"values", kVolumes, "The volume whose values the points get.", FilterPort::Count::Optional}},
+           {"values", kVolumes, "The volumes whose values the points get. What is shown is the first.",
+            FilterPort::Count::Any}},
           DatasetType::Particles};
 }
 
@@ -120,6 +127,9 @@ std::vector<KeyRow<IsosurfaceSampler>> IsosurfaceSampler::properties() {
           },
           [](const IsosurfaceSampler& s) { return s.component ? OrderedJson(*s.component) : OrderedJson(); })
           .byDefault("the magnitude, if there are several"),
+      flagKey(
+          "gradient", &IsosurfaceSampler::gradient,
+          "Whether points get the gradient of `field`, per unit of the world, as their field `gradient`."),
       integerKey("count", &IsosurfaceSampler::count, {1, kMostSampled}, "The number of points."),
       integerKey("seed", &IsosurfaceSampler::seed, {0, 2147483647},
                  "Chooses the random numbers. The same seed gives the same points."),
@@ -129,12 +139,16 @@ std::vector<KeyRow<IsosurfaceSampler>> IsosurfaceSampler::properties() {
 FilterResult IsosurfaceSampler::run(FilterRun& run) const {
   Sampler& sampler = run.sampler();
   Collectives& ranks = run.ranks;
-  agree(ranks, [&] { checkIsosurface(*this, run); });
+  SampledVolumes recorded;
+  agree(ranks, [&] {
+    checkIsosurface(*this, run);
+    recorded = sampledVolumes(isosurfaceValues(run), "IsosurfaceSampler");
+  });
   const EnterMemory enter = [&run](const char* purpose, int64_t bytes) {
     return run.takeMemory(purpose, bytes);
   };
   const auto sampling = sampler.prepare(
-      isosurfaceSource(*this, run), ranks, enter,
+      isosurfaceSource(*this, run, recorded), ranks, enter,
       [&run](int64_t item, int64_t, const std::string& text) { run.begin(item, kSamplingItems, text); });
   run.begin(kSamplingItems - 1, kSamplingItems, "sampling the isosurface");
   const Volume& volume = *run.input("field").data->volume;
@@ -154,13 +168,15 @@ FilterResult IsosurfaceSampler::run(FilterRun& run) const {
   }
   FilterResult result;
   result.dataset = sampledPoints(run, "isosurface points", std::move(samples), uint64_t(count),
-                                 run.input("field").data->partitioning);
+                                 run.input("field").data->partitioning, recorded, gradient);
   const uint64_t made = result.dataset->geometry->primitives;
   const double half = surfaceOf(box) / 2;
   result.told = {{"particles", made},
                  {"area", half * census.perLine()},
                  {"area error", half * census.error()},
                  {"lines", census.lines()}};
+  if (const auto fields = toldOfPoints(*result.dataset->geometry); !fields.empty())
+    result.told["fields"] = fields;
   if (made < uint64_t(count)) result.told.update({{"found", made}, {"count", count}});
   return result;
 }

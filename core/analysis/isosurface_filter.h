@@ -14,6 +14,7 @@ namespace gxy {
 struct IsosurfaceSampler {
   double isovalue = 0;
   std::optional<int> component;  ///< of the field; none: the magnitude, if it has several
+  bool gradient = false;         ///< points get the field's gradient
   int count = 10000;
   int seed = 0;
 

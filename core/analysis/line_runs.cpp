@@ -13,12 +13,12 @@ namespace gxy {
 
 namespace {
 
-void write(Writer& w, const LinePoint& p) { w.write(p.position).write(p.value); }
+void write(Writer& w, const LinePoint& p) { w.write(p.position).write(p.values); }
 
 LinePoint readPoint(Reader& in) {
   LinePoint p;
   p.position = in.read<glm::dvec3>();
-  p.value = in.read<float>();
+  p.values = in.read<std::array<float, kMostLineValues>>();
   return p;
 }
 
@@ -93,7 +93,7 @@ class HomeLine {
 
 bool LinePoint::equals(const LinePoint& other) const {
   return std::memcmp(&position, &other.position, sizeof position) == 0 &&
-         std::memcmp(&value, &other.value, sizeof value) == 0;
+         std::memcmp(&values, &other.values, sizeof values) == 0;
 }
 
 HomeLines joinRuns(std::span<const LineRun> runs) {

@@ -11,10 +11,13 @@
 
 namespace gxy {
 
+/// The most numbers that are kept at points of lines: the value, and further fields.
+inline constexpr size_t kMostLineValues = 4;
+
 /// A point of a line as geometry has it.
 struct LinePoint {
   glm::dvec3 position{0};
-  float value = 0;
+  std::array<float, kMostLineValues> values{};  ///< first the one that is shown; 0 where nothing is kept
   /// Whether all bits are equal.
   bool equals(const LinePoint& other) const;
 };

@@ -25,8 +25,11 @@ struct PointKey {
 class LineMaker {
  public:
   using TakeMemory = std::function<LedgerEntry(int64_t)>;
-  LineMaker(TracedLines& lines, const LineValue& value, const TakeMemory& takeMemory, Collectives& ranks)
-      : lines_(lines), value_(value), takeMemory_(takeMemory), ranks_(ranks) {}
+  LineMaker(TracedLines& lines, const LineValue& value, const TakeMemory& takeMemory, Collectives& ranks,
+            const std::vector<NamedLineValue>& fields)
+      : lines_(lines), values_{value}, takeMemory_(takeMemory), ranks_(ranks), fields_(fields) {
+    for (const NamedLineValue& f : fields) values_.push_back(f.value);
+  }
 
   // Finds the runs of this rank.
   void findRuns() {
@@ -126,11 +129,13 @@ class LineMaker {
 
   LinePoint pointOf(const PointKey& key) const {
     const PathPoints& piece = lines_.points[key.piece];
-    return {piece.position[key.index], valueOf(piece, key.index)};
+    LinePoint point{piece.position[key.index], {}};
+    for (size_t v = 0; v < values_.size(); v++) point.values[v] = valueOf(values_[v], piece, key.index);
+    return point;
   }
 
-  float valueOf(const PathPoints& piece, size_t i) const {
-    switch (value_.kind) {
+  static float valueOf(const LineValue& value, const PathPoints& piece, size_t i) {
+    switch (value.kind) {
       case LineValue::Kind::Speed:
         return piece.speed[i];
       case LineValue::Kind::Time:
@@ -140,7 +145,7 @@ class LineMaker {
       case LineValue::Kind::Recorded:
         break;
     }
-    return piece.values.at(size_t(value_.component))[i];
+    return piece.values.at(size_t(value.component))[i];
   }
 
   static void add(LineRun& run, int32_t number, const LinePoint& point) {
@@ -169,11 +174,13 @@ class LineMaker {
     if (points >= std::numeric_limits<uint32_t>::max())
       throw Error("lines: this rank has " + std::to_string(points) + " points, expected fewer than 2^32 - 1");
     GeometryBlock& block = made.block;
-    constexpr size_t kPointBytes = sizeof(glm::dvec3) + sizeof(float);
+    const size_t pointBytes = sizeof(glm::dvec3) + values_.size() * sizeof(float);
     constexpr size_t kSegmentBytes = 4 * sizeof(uint32_t) + sizeof(uint64_t);
-    made.memory = takeMemory_(int64_t(points * kPointBytes + segments * kSegmentBytes));
+    made.memory = takeMemory_(int64_t(points * pointBytes + segments * kSegmentBytes));
     block.points.reserve(points);
     block.values.reserve(points);
+    for (const NamedLineValue& f : fields_)
+      block.fields.emplace_back(PointField{f.name, 1, {}}).values.reserve(points);
     block.segments.reserve(segments);
     block.neighbours.reserve(segments);
     block.ids.reserve(segments);
@@ -181,7 +188,8 @@ class LineMaker {
 
   static uint32_t addPoint(GeometryBlock& block, const LinePoint& point) {
     block.points.push_back(point.position);
-    block.values.push_back(point.value);
+    block.values.push_back(point.values[0]);
+    for (size_t f = 0; f < block.fields.size(); f++) block.fields[f].values.push_back(point.values[f + 1]);
     return uint32_t(block.points.size() - 1);
   }
 
@@ -213,9 +221,10 @@ class LineMaker {
   }
 
   TracedLines& lines_;
-  const LineValue value_;
+  std::vector<LineValue> values_;  ///< what is kept at points: the value that is shown, then those of fields
   const TakeMemory& takeMemory_;
   Collectives& ranks_;
+  const std::vector<NamedLineValue>& fields_;
   LedgerEntry keyMemory_;
   std::vector<PointKey> keys_;  ///< in order of line and number; once runs are found, without equal points
   std::vector<LineRun> runs_;   ///< in the same order
@@ -239,9 +248,13 @@ void sumUp(MadeLines& made, const std::vector<LineEnd>& ends, Collectives& ranks
 }  // namespace
 
 MadeLines makeLines(TracedLines lines, const LineValue& value,
-                    const std::function<LedgerEntry(int64_t)>& takeMemory, Collectives& ranks) {
+                    const std::function<LedgerEntry(int64_t)>& takeMemory, Collectives& ranks,
+                    const std::vector<NamedLineValue>& fields) {
   MadeLines made;
-  LineMaker maker(lines, value, takeMemory, ranks);
+  if (fields.size() >= kMostLineValues)
+    throw Error(std::to_string(fields.size()) + " fields are to be kept of lines, expected fewer than " +
+                std::to_string(kMostLineValues));
+  LineMaker maker(lines, value, takeMemory, ranks, fields);
   std::vector<Bytes> messages;
   agree(ranks, [&] {
     maker.findRuns();

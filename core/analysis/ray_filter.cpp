@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/analysis/field_values.h"
+#include "core/analysis/made_geometry.h"
 #include "core/analysis/next_rays.h"
 #include "core/analysis/sampled_points.h"
 #include "core/comm/error.h"
@@ -36,7 +37,16 @@ class RayPlan {
  public:
   RayPlan(const RaySampler& filter, const FilterRun& run) : filter_(filter), run_(run) {
     if (filter.operators.empty()) throw Error("RaySampler: there are no `operators`, expected one or more");
-    if (!filter.values.empty()) source.recorded = 1 + fieldOf(filter.values, "`values`");
+    std::vector<FilterSource> values;
+    for (const std::string& name : filter.values) {
+      values.push_back(rayVolume(run, name, "`values`"));
+      take(values.back());
+      values.back().name = name;  // what the entry calls it
+    }
+    recorded = sampledVolumes(values, "RaySampler");
+    source.fields = recorded.sampled;
+    source.recorded = int(recorded.sampled.size());
+    source.gradient = filter.gradient;
     for (const RaySampler::Target& target : filter.operators) add(target);
     source.met = following() > 0;
     source.scene.partitioning = partitioning_;
@@ -48,6 +58,7 @@ class RayPlan {
   int following() const { return filter_.depth > 0 ? mostChildren(next) : 0; }
 
   SamplingSource source;
+  SampledVolumes recorded;
   std::vector<NextRule> next;  ///< by operator
   Box box;                     ///< of all that can be met
   Box firstBox;                ///< of the first operator's dataset
@@ -65,7 +76,7 @@ class RayPlan {
     const FilterSource& from = rayVolume(run_, name, of);
     take(from);
     for (size_t i = 0; i < source.fields.size(); i++)
-      if (source.fields[i].volume == from.data->volume) return int(i);
+      if (source.fields[i].volume == from.data->volume && source.fields[i].component < 0) return int(i);
     source.fields.push_back({from.data->volume, -1});
     return int(source.fields.size()) - 1;
   }
@@ -303,9 +314,12 @@ FilterResult RaySampler::run(FilterRun& run) const {
   run.begin(items - 1, items, "sending rays");
   Generations all = sendAll(run, *this, *plan, sampling, std::move(rays), enter);
   FilterResult result;
-  result.dataset = sampledPoints(run, "ray points", std::move(all.samples), UINT64_MAX, plan->partitioning());
+  result.dataset = sampledPoints(run, "ray points", std::move(all.samples), UINT64_MAX, plan->partitioning(),
+                                 plan->recorded, gradient);
   result.told = {{"particles", result.dataset->geometry->primitives}, {"rays", begun}};
   if (plan->following() > 0) result.told["following rays"] = all.following;
+  if (const auto fields = toldOfPoints(*result.dataset->geometry); !fields.empty())
+    result.told["fields"] = fields;
   return result;
 }
 

@@ -50,9 +50,10 @@ struct RaySampler {
   glm::dvec3 direction{0, 0, 1};  ///< of rays from points, unless it is that of the field
   std::string directionField;     ///< an input; empty: none
   std::optional<Camera> camera;
-  std::string values;  ///< the input whose values the points get; empty: none
-  int depth = 1;       ///< generations of rays that follow others
-  int seed = 0;        ///< of lines, and of rays that are spawned
+  std::vector<std::string> values;  ///< the inputs whose values the points get; the first is shown
+  bool gradient = false;            ///< points get the gradient of the volume that was met
+  int depth = 1;                    ///< generations of rays that follow others
+  int seed = 0;                     ///< of lines, and of rays that are spawned
 
   static FilterInfo info();
   static std::vector<KeyRow<RaySampler>> properties();

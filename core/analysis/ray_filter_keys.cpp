@@ -244,7 +244,24 @@ std::vector<KeyRow<RaySampler>> RaySampler::properties() {
             return s.camera ? writeObject(*s.camera, cameraSchema()) : OrderedJson();
           })
           .byDefault("none"),
-      textKey("values", &RaySampler::values, "The input, a volume, whose values the points get."),
+      customKey<RaySampler>(
+          "values", "text or list of texts",
+          "The inputs, volumes, whose values the points get. What is shown is the first.",
+          [](const Found& found, RaySampler& s) {
+            readOneOrMany(found, [&](const Found& name) {
+              if (s.values.size() == kMostSampledFields) name.fail("at most 16 inputs");
+              if (!name.text().empty()) s.values.push_back(name.text());
+            });
+          },
+          [](const RaySampler& s) {
+            if (s.values.size() == 1) return OrderedJson(s.values[0]);
+            return s.values.empty() ? OrderedJson() : OrderedJson(s.values);
+          })
+          .byDefault("none"),
+      flagKey(
+          "gradient", &RaySampler::gradient,
+          "Whether points get the gradient of the volume that was met, per unit of the world, as their field "
+          "`gradient`."),
       integerKey("depth", &RaySampler::depth, {0, 8},
                  "How many generations of rays may follow the first, by the `next` of operators."),
       integerKey("seed", &RaySampler::seed, {0, 2147483647},

@@ -5,6 +5,7 @@
 #include "core/analysis/filter.h"
 #include "core/analysis/interpolate_filter.h"
 #include "core/analysis/isosurface_filter.h"
+#include "core/analysis/number_filter.h"
 #include "core/analysis/ray_filter.h"
 #include "core/analysis/resample_filter.h"
 #include "core/analysis/seeds_filter.h"
@@ -18,6 +19,7 @@ void addStandardFilters(Filters& filters) {
   filters.add<Derive>();
   filters.add<Interpolate>();
   filters.add<IsosurfaceSampler>();
+  filters.add<NumberFilter>();
   filters.add<RaySampler>();
   filters.add<Resample>();
   filters.add<Seeds>();

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/analysis/made_geometry.h"
+#include "core/analysis/recorded_fields.h"
 #include "core/analysis/tracer.h"
 #include "core/comm/error.h"
 #include "core/rays/field_maker.h"
@@ -14,6 +15,9 @@ namespace {
 
 constexpr const char* kDirections[] = {"forward", "backward", "both"};
 constexpr const char* kColors[] = {"speed", "time", "length", "field"};
+
+constexpr const char* kLineFields[] = {"speed", "time", "length", "vorticity"};
+constexpr const char* kLineFieldsText = "list of speed, time, length, vorticity";
 
 /// A row for one of several words.
 template <class Value, size_t n>
@@ -77,6 +81,27 @@ void readWhere(const Found& found, StreamTracer& s) {
   s.where = Range{bounds[0], bounds[1]};
 }
 
+void readLineFields(const Found& found, StreamTracer& s) {
+  readOneOrMany(found, [&](const Found& item) {
+    const std::string& name = item.text();
+    if (std::find(std::begin(kLineFields), std::end(kLineFields), name) == std::end(kLineFields))
+      item.fail(kLineFieldsText);
+    if (std::find(s.fields.begin(), s.fields.end(), name) != s.fields.end()) item.fail("each field once");
+    s.fields.push_back(name);
+  });
+}
+
+/// Those that are kept on the way, but for the values.
+std::vector<NamedLineValue> keptFields(const StreamTracer& s) {
+  std::vector<NamedLineValue> kept;
+  constexpr LineValue::Kind kKinds[] = {LineValue::Kind::Speed, LineValue::Kind::Time,
+                                        LineValue::Kind::Length};
+  for (const std::string& name : s.fields)
+    for (size_t k = 0; k < std::size(kKinds); k++)
+      if (name == kLineFields[k] && size_t(s.colorBy) != k) kept.push_back({name, {kKinds[k], 0}});
+  return kept;
+}
+
 nlohmann::json endsIn(const MadeLines& made) {
   nlohmann::json ends = nlohmann::json::object();
   for (int k = 0; k < kEndReasons; k++)
@@ -95,7 +120,8 @@ FilterInfo StreamTracer::info() {
       {{"vectors", kVolumes, "The field: three components."},
        {"seeds", kParticles, "Where lines begin."},
        {"field", kVolumes, "A field of one component on the same grid, for `where` and `color by`.",
-        FilterPort::Count::Optional}},
+        FilterPort::Count::Optional},
+       {"fields", kVolumes, "Volumes on any grids whose values the points get.", FilterPort::Count::Any}},
       DatasetType::PathLines};
 }
 
@@ -135,6 +161,13 @@ std::vector<KeyRow<StreamTracer>> StreamTracer::properties() {
           "color by", kColors, "speed, time, length or field", &S::colorBy,
           "The values of points: the field's magnitude, time or length from the seed, or the value of the "
           "input `field`."),
+      customKey<S>("fields", kLineFieldsText,
+                   "Further fields of points. `vorticity` is the curl of the trilinear field in the cell of "
+                   "the point; on a face, of "
+                   "the upper one.",
+                   readLineFields,
+                   [](const S& s) { return s.fields.empty() ? OrderedJson() : OrderedJson(s.fields); })
+          .byDefault("none"),
   };
 }
 
@@ -166,6 +199,13 @@ TraceRequest StreamTracer::request(const FilterRun& run) const {
     throw Error("StreamTracer: " + inQuotes(vectors.name) + " has " +
                 std::to_string(vectors.data->volume->components) +
                 " components, expected 3; `Derive` composes them of scalars by [u, v, w]");
+  if (const auto others = run.inputs().find("fields"); others != run.inputs().end()) {
+    checkNames(others->second, "StreamTracer");
+    for (const FilterSource& source : others->second)
+      if (std::find(std::begin(kLineFields), std::end(kLineFields), source.name) != std::end(kLineFields))
+        throw Error("StreamTracer: a dataset of the input `fields` is called " + inQuotes(source.name) +
+                    ", as a field of lines is, expected another name");
+  }
   std::vector<std::shared_ptr<const Volume>> volumes{vectors.data->volume};
   if (field) {
     if (field->data->volume->components != 1)
@@ -200,11 +240,19 @@ FilterResult StreamTracer::run(FilterRun& run) const {
                                         LineValue::Kind::Length, LineValue::Kind::Recorded};
   MadeLines made = makeLines(
       std::move(traced), {kKinds[size_t(colorBy)], 0},
-      [&](int64_t bytes) { return run.takeMemory("geometry", bytes); }, run.ranks);
+      [&](int64_t bytes) { return run.takeMemory("geometry", bytes); }, run.ranks, keptFields(*this));
+  std::vector<LedgerEntry> memory;
+  const FilterSource* field = run.optional("field");
+  const auto others = run.inputs().find("fields");
+  if (others != run.inputs().end()) recordFields(run, others->second, made.block, memory);
+  if (std::find(fields.begin(), fields.end(), "vorticity") != fields.end())
+    recordVorticity(run, *run.input("vectors").data, made.block, memory);
   FilterResult result;
   result.told = {{"lines", made.lines}, {"points", made.points}, {"ends", endsIn(made)}};
   result.dataset = madeGeometry(run, "lines", GeometryKind::PathLines, std::move(made.block),
-                                run.input("vectors").data->partitioning, std::move(made.memory));
+                                run.input("vectors").data->partitioning, std::move(made.memory),
+                                colorBy == ColorBy::Field ? field->name : kColors[size_t(colorBy)]);
+  result.told["fields"] = toldOfPoints(*result.dataset->geometry);
   return result;
 }
 

@@ -22,6 +22,7 @@ struct StreamTracer {
   double minimumSpeed = 0;
   std::optional<Range> where;  ///< of the input `field`
   ColorBy colorBy = ColorBy::Speed;
+  std::vector<std::string> fields;  ///< of points, beside those of the input `fields`: kLineFields
 
   static FilterInfo info();
   static std::vector<KeyRow<StreamTracer>> properties();

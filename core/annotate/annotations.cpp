@@ -79,7 +79,8 @@ std::vector<Legend> legendsOf(const Annotated& what) {
     const Range& range = what.shown.ranges[i];
     if (range.empty() || !colorsByValue(vis)) continue;
     if (vis.rangeOfData) vis.dataRange = {range.min, range.max};
-    Legend legend{vis.dataset + (vis.component ? " [" + std::to_string(*vis.component) + "]" : ""),
+    Legend legend{vis.dataset + (vis.array.empty() ? "" : " " + vis.array) +
+                      (vis.component ? " [" + std::to_string(*vis.component) + "]" : ""),
                   effectiveColorMap(vis)};
     const bool there = std::any_of(legends.begin(), legends.end(), [&](const Legend& other) {
       return other.title == legend.title && other.map == legend.map;

@@ -40,6 +40,7 @@ void splitByCell(GeometryBlock& block, GeometryKind kind, std::span<const int64_
                  const std::function<void(GeometryBlock&, int64_t)>& give) {
   constexpr auto kNone = std::numeric_limits<int64_t>::min();
   GeometryBlock split;
+  split.fields = emptyLike(block.fields);
   std::vector<int64_t> cellOf(block.points.size(), kNone);  // by point: the cell that used it last
   std::vector<uint32_t> number(block.points.size());
   for (size_t p = 0; p < cells.size(); ++p) {
@@ -50,6 +51,7 @@ void splitByCell(GeometryBlock& block, GeometryKind kind, std::span<const int64_
         split.points.push_back(block.points[point]);
         if (!block.normals.empty()) split.normals.push_back(block.normals[point]);
         if (!block.radiusValues.empty()) split.radiusValues.push_back(block.radiusValues[point]);
+        appendFields(split.fields, block.fields, point);
         give(split, cells[p]);
       }
       point = number[point];
@@ -66,6 +68,7 @@ void splitByCell(GeometryBlock& block, GeometryKind kind, std::span<const int64_
   block.values = std::move(split.values);
   block.colors = std::move(split.colors);
   block.radiusValues = std::move(split.radiusValues);
+  block.fields = std::move(split.fields);
 }
 
 }  // namespace gxy

@@ -27,4 +27,10 @@ Box Dataset::box() const { return volume ? volume->grid.box() : geometry->box; }
 Range Dataset::range() const { return volume ? volume->ranges.back() : geometry->range; }
 int Dataset::components() const { return volume ? volume->components : 1; }
 
+int64_t newestStep(const Dataset& dataset) {
+  int64_t newest = 0;
+  for (const Origin& origin : dataset.origins) newest = std::max(newest, origin.step);
+  return newest;
+}
+
 }  // namespace gxy

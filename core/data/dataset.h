@@ -56,6 +56,7 @@ struct Provenance {
 /// and any thread may read it.
 struct Dataset {
   std::string file, array, radiusArray;  ///< where it was read; empty for what a filter has made
+  std::vector<std::string> fields;       ///< the arrays of the file that were asked for besides
   std::string stream;  ///< of which simulation `array` is a field; empty for what was read or made
   glm::dvec4 color{0.8, 0.8, 0.8, 1};
   std::shared_ptr<const Partitioning> partitioning;
@@ -72,5 +73,8 @@ struct Dataset {
   Range range() const;  ///< of the values, or of the magnitude of several components
   int components() const;
 };
+
+/// Returns the newest step of the sources of a dataset; 0 if it has none.
+int64_t newestStep(const Dataset& dataset);
 
 }  // namespace gxy

@@ -40,6 +40,7 @@ void appendPoint(GeometryBlock& to, const GeometryBlock& from, uint32_t point) {
   if (!from.values.empty()) to.values.push_back(from.values[point]);
   if (!from.colors.empty()) to.colors.push_back(from.colors[point]);
   if (!from.radiusValues.empty()) to.radiusValues.push_back(from.radiusValues[point]);
+  appendFields(to.fields, from.fields, point);
 }
 
 /// Appends primitive p of `from`. pointOf(index in `from`) returns the point's index in `to`, and adds the
@@ -63,7 +64,7 @@ void appendPrimitive(GeometryBlock& to, const GeometryBlock& from, GeometryKind 
   }
 }
 
-/// All attributes of a point, compared by their bits.
+/// All attributes of a point but its fields, compared by their bits.
 struct PointKey {
   glm::dvec3 position{0};
   glm::vec3 normal{0};
@@ -91,6 +92,11 @@ uint64_t hashOf(const PointKey& key) {
   return hash;
 }
 
+/// Whether two points of two blocks with fields that are alike have the same attributes and fields.
+bool equalPoints(const GeometryBlock& a, uint32_t pointA, const GeometryBlock& b, uint32_t pointB) {
+  return PointKey(a, pointA) == PointKey(b, pointB) && equalFields(a.fields, pointA, b.fields, pointB);
+}
+
 /// Finds points of a block by content: a hash table of point indices with linear probing, for a limited
 /// number of points.
 class PointsByContent {
@@ -98,11 +104,11 @@ class PointsByContent {
   PointsByContent(const GeometryBlock& block, size_t points)
       : block_(block), slots_(std::bit_ceil(2 * points), kNone) {}
 
-  /// Returns the index of the point with this content. If there is none, it is kNone, and the caller sets it
-  /// to the index of the point that it appends.
-  uint32_t& operator[](const PointKey& key) {
-    size_t i = hashOf(key);
-    while (slots_[i &= slots_.size() - 1] != kNone && !(PointKey(block_, slots_[i]) == key)) ++i;
+  /// Returns the index of the point with the content of a point of another block. If there is none, it is kNone, and
+  /// the caller sets it to the index of the point that it appends.
+  uint32_t& at(const GeometryBlock& from, uint32_t point) {
+    size_t i = hashFields(from.fields, point, hashOf(PointKey(from, point)));
+    while (slots_[i &= slots_.size() - 1] != kNone && !equalPoints(block_, slots_[i], from, point)) ++i;
     return slots_[i];
   }
 
@@ -121,6 +127,9 @@ GeometryBlock concatenated(GeometryKind kind, std::span<const GeometryBlock> par
       values = !part.values.empty();
       colors = !part.colors.empty();
       radii = !part.radiusValues.empty();
+      all.fields = emptyLike(part.fields);
+    } else if (!areAlike(all.fields, part.fields)) {
+      fail(kind, "parts have different fields, expected the same names and components");
     } else if (normals == part.normals.empty() || values == part.values.empty() ||
                colors == part.colors.empty() || radii == part.radiusValues.empty()) {
       fail(kind,
@@ -141,6 +150,7 @@ GeometryBlock concatenated(GeometryKind kind, std::span<const GeometryBlock> par
     append(all.values, part.values);
     append(all.colors, part.colors);
     append(all.radiusValues, part.radiusValues);
+    for (size_t f = 0; f < all.fields.size(); f++) append(all.fields[f].values, part.fields[f].values);
     append(all.ids, part.ids);
     appendIndices(all.triangles, part.triangles);
     appendIndices(all.segments, part.segments);
@@ -163,7 +173,7 @@ void withoutRepeatedPoints(GeometryBlock& block, size_t begin, size_t end, std::
   const size_t first = left.size();
   for (size_t p = begin; p < end; ++p) {
     const auto [a, b] = block.segments[p];
-    if (a != b && !(PointKey(block, a) == PointKey(block, b))) left.push_back(uint32_t(p));
+    if (a != b && !equalPoints(block, a, block, b)) left.push_back(uint32_t(p));
   }
   if (left.size() == first) left.push_back(uint32_t(begin));
   if (left.size() - first == end - begin) return;
@@ -235,6 +245,11 @@ void validate(const GeometryBlock& block, GeometryKind kind) {
   if (!block.colors.empty()) check("colours", block.colors.size(), points);
   if (!block.radiusValues.empty()) check("values of radii", block.radiusValues.size(), points);
   if (!block.values.empty() && !block.colors.empty()) fail(kind, "values and colours, expected one of them");
+  try {
+    validateFields(block.fields, points);
+  } catch (const Error& e) {
+    fail(kind, e.what());
+  }
   if (points >= kNone)
     fail(kind, std::to_string(points) + " points in one block, expected fewer than 2^32 - 1");
   const auto checkIndices = [&](const auto& list) {
@@ -255,6 +270,7 @@ void validate(const GeometryBlock& block, GeometryKind kind) {
 GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<const uint32_t> primitives,
                      const Advance& advance) {
   GeometryBlock chosen;
+  chosen.fields = emptyLike(block.fields);
   chosen.ids.reserve(primitives.size());
   if (kind == GeometryKind::Particles) chosen.points.reserve(primitives.size());
   const auto append = [&](auto&& numberOf) {
@@ -294,6 +310,7 @@ GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts, co
     }
   }
   GeometryBlock block;
+  block.fields = emptyLike(all.fields);
   block.ids.reserve(order.size());
   block.points.reserve(all.points.size());
   PointsByContent byContent(block, kind == GeometryKind::Particles ? 1 : all.points.size());
@@ -302,7 +319,7 @@ GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts, co
     tell(advance, i, order.size());
     appendPrimitive(block, all, kind, order[i], [&](uint32_t point) {
       if (indices[point] == kNone) {
-        uint32_t& index = byContent[PointKey(all, point)];
+        uint32_t& index = byContent.at(all, point);
         if (index == kNone) {
           index = uint32_t(block.points.size());
           appendPoint(block, all, point);
@@ -342,6 +359,10 @@ Range rangeOf(const GeometryBlock& block) {
   Range range;
   for (float v : block.values) range.extend(v);
   return range;
+}
+
+bool repeatsValues(const GeometryBlock& block, const PointField& field, const std::string& array) {
+  return !block.values.empty() && field.components == 1 && field.name == array;
 }
 
 std::optional<Range> radiusRangeOf(const GeometryBlock& block) {

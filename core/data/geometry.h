@@ -12,6 +12,7 @@
 
 #include "core/comm/advance.h"
 #include "core/data/box.h"
+#include "core/data/point_fields.h"
 
 namespace gxy {
 
@@ -23,6 +24,8 @@ struct GeometryBlock {
   std::vector<float> values;        ///< per point, the mapped scalar; empty if the file has none
   std::vector<glm::vec3> colors;    ///< per point, instead of values: red, green and blue, each 0 to 1
   std::vector<float> radiusValues;  ///< per point, the scalar that gives the radius; empty: `values` give it
+  std::vector<PointField>
+      fields;  ///< per point, further ones; what is shown is `values` until another is asked for
   std::vector<std::array<uint32_t, 3>> triangles;  ///< Triangles: point indices
   std::vector<std::array<uint32_t, 2>> segments;   ///< PathLines: point indices
   /// PathLines: per segment, the line's points before and after it; at an end of the line, the segment's own end.
@@ -72,16 +75,16 @@ GeometryBlock subset(
     const Advance& advance = [](double) {});
 
 /// Returns all primitives of several valid blocks, by ascending id. Points that are equal in position,
-/// normal, value or colour, and radius become one, except for Particles, where each point is a primitive.
+/// normal, value or colour, radius and fields become one, except for Particles, where each point is a primitive.
 /// Points are numbered in order of first use. So the result depends neither on the order of the parts nor on
 /// how primitives were spread over them. Throws Error if an id comes twice, if only some parts have normals,
-/// values, colours or radii, or for 2^32 - 1 points or more.
+/// values, colours or radii, if fields have different names or components, or for 2^32 - 1 points or more.
 GeometryBlock merged(
     GeometryKind kind, std::span<const GeometryBlock> parts, const Advance& advance = [](double) {});
 
 /// Removes primitives that cannot be drawn, and returns their number. These are primitives with a non-finite
 /// coordinate (that of a neighbour included), triangles without area, and segments of a line between points
-/// that are equal in position, normal, value or colour, and radius: merged() would make their points one,
+/// that are equal in position, normal, value or colour, radius and fields: merged() would make their points one,
 /// which would be its own neighbour. The segments around a removed one become neighbours. Other segments of
 /// length zero stay and are drawn as balls.
 int64_t dropUnusable(GeometryBlock& block, GeometryKind kind);
@@ -92,6 +95,9 @@ int64_t bytesOf(const Geometry& geometry);
 /// The bounding box of all points of a block, and the range of its values.
 Box boxOf(const GeometryBlock& block);
 Range rangeOf(const GeometryBlock& block);
+
+/// Whether a field of a block has the name of its values, `array`, and one component: where both are written, it is left out.
+bool repeatsValues(const GeometryBlock& block, const PointField& field, const std::string& array);
 
 /// The range of a block's radiusValues; nothing if the values give the radii.
 std::optional<Range> radiusRangeOf(const GeometryBlock& block);

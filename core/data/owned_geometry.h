@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/data/box.h"
 #include "core/data/geometry.h"
@@ -18,10 +19,12 @@ struct OwnedGeometry {
   GeometryKind kind = GeometryKind::Particles;
   GeometryBlock block;   ///< primitives that can be drawn; their ids are global
   bool colored = false;  ///< points have colours instead of values
-  Box box;               ///< of all points, world
-  Box middle;            ///< of particles: the box without outliers; else the box
-  double spacing = 0;    ///< mean distance between neighbouring points, world; 0: there are too few
-  Range range;           ///< of all values
+  std::string array;     ///< what the values or colours are called; empty: unknown, or there are none
+  std::vector<PointFieldInfo> fields;  ///< further ones of points, of which operators may show another
+  Box box;                             ///< of all points, world
+  Box middle;                          ///< of particles: the box without outliers; else the box
+  double spacing = 0;  ///< mean distance between neighbouring points, world; 0: there are too few
+  Range range;         ///< of all values
   std::optional<Range> radiusRange;  ///< of the scalars that give radii, if these are not the values
   uint64_t primitives = 0;           ///< on all ranks
   uint64_t droppedPrimitives = 0;    ///< with non-finite coordinates, or degenerate

@@ -77,6 +77,28 @@ vtkDataArray* radiusValuesOf(vtkPointSet* set, const std::string& name, const st
   return array;
 }
 
+/// Returns the arrays that become fields among those that have been read.
+std::vector<vtkDataArray*> fieldsOf(vtkPointSet* set, const std::vector<std::string>& names,
+                                    const std::string& path) {
+  std::vector<vtkDataArray*> arrays;
+  for (const std::string& name : names) {
+    arrays.push_back(set->GetPointData()->GetArray(name.c_str()));
+    if (!arrays.back())
+      throw Error(path + ": no array '" + name + "' of points for `fields`; the file has " +
+                  namesOf(listOf(set->GetPointData())));
+  }
+  return arrays;
+}
+
+PointField fieldOf(vtkDataArray* array) {
+  PointField field{array->GetName(), array->GetNumberOfComponents(), {}};
+  const vtkIdType points = array->GetNumberOfTuples();
+  field.values.reserve(size_t(points) * size_t(field.components));
+  for (vtkIdType i = 0; i < points; ++i)
+    for (int c = 0; c < field.components; ++c) field.values.push_back(float(array->GetComponent(i, c)));
+  return field;
+}
+
 bool isNormals(vtkDataArray* array) {
   return array->GetName() && array->GetNumberOfComponents() == 3 && isNameOfNormals(array->GetName());
 }
@@ -100,12 +122,14 @@ std::vector<glm::vec3> unitNormals(vtkPointData* data, Flaws& flaws) {
   return normals;
 }
 
-/// Returns an upper bound on the memory of a block with this many points and primitives.
-int64_t bytesOf(size_t points, size_t primitives, GeometryKind kind, bool colors, bool radii) {
+/// Returns an upper bound on the memory of a block with this many points and primitives. `fields` is how many floats further
+/// fields have at each point.
+int64_t bytesOf(size_t points, size_t primitives, GeometryKind kind, bool colors, bool radii, size_t fields) {
   const size_t cell = kind == GeometryKind::Triangles   ? sizeof(std::array<uint32_t, 3>)
                       : kind == GeometryKind::PathLines ? 2 * sizeof(std::array<uint32_t, 2>)
                                                         : 0;
-  const size_t look = (colors ? sizeof(glm::vec3) : sizeof(float)) + (radii ? sizeof(float) : 0);
+  const size_t look =
+      (colors ? sizeof(glm::vec3) : sizeof(float)) + (radii ? sizeof(float) : 0) + fields * sizeof(float);
   return int64_t(points * (sizeof(glm::dvec3) + sizeof(glm::vec3) + look) +
                  primitives * (cell + sizeof(uint64_t)));
 }
@@ -137,12 +161,16 @@ void dropGhostPoints(vtkPointSet* set, GeometryBlock& block) {
     if (!block.values.empty()) block.values[kept] = block.values[i];
     if (!block.colors.empty()) block.colors[kept] = block.colors[i];
     if (!block.radiusValues.empty()) block.radiusValues[kept] = block.radiusValues[i];
+    for (PointField& f : block.fields)
+      for (int c = 0, n = f.components; c < n; ++c)
+        f.values[kept * size_t(n) + size_t(c)] = f.values[i * size_t(n) + size_t(c)];
     ++kept;
   }
   block.points.resize(kept);
   if (!block.values.empty()) block.values.resize(kept);
   if (!block.colors.empty()) block.colors.resize(kept);
   if (!block.radiusValues.empty()) block.radiusValues.resize(kept);
+  for (PointField& f : block.fields) f.values.resize(kept * size_t(f.components));
 }
 
 /// Returns the number of triangles of a flat cell with this many points.
@@ -209,13 +237,23 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
   if (kind != GeometryKind::Particles) cells.emplace(set, kind, toTake, flaws);
   vtkDataArray* values = count ? valuesOf(set, wanted, content.ofCells, path) : nullptr;
   vtkDataArray* radii = count ? radiusValuesOf(set, wanted.radii, path) : nullptr;
+  const std::vector<vtkDataArray*> fields =
+      count ? fieldsOf(set, wanted.fields, path) : std::vector<vtkDataArray*>();
+  if (values && content.ofCells)
+    for (const std::string& name : wanted.fields)
+      if (name == values->GetName())
+        throw Error(path + ": array '" + name +
+                    "' for `fields` has the name of the array of cells that gives values, "
+                    "expected other names");
+  size_t fieldFloats = 0;
+  for (vtkDataArray* field : fields) fieldFloats += size_t(field->GetNumberOfComponents());
   const bool split = values && content.ofCells && cells;
   const size_t primitives = cells ? cells->primitives() : size_t(count);
   const size_t most = size_t(count) + (split ? primitives * (kind == GeometryKind::PathLines ? 4 : 3) : 0);
   if (most >= std::numeric_limits<uint32_t>::max())
     throw Error(path + ": " + std::to_string(most) + " points; one file may have at most 2^32 - 2");
   const bool colored = values && isColors(values);
-  if (toTake) toTake(bytesOf(most, primitives, kind, colored, radii));
+  if (toTake) toTake(bytesOf(most, primitives, kind, colored, radii, fieldFloats));
   GeometryBlock& block = content.block;
   block.points.reserve(size_t(count));
   for (vtkIdType i = 0; i < count; ++i) {
@@ -239,6 +277,7 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
   }
   block.radiusValues.reserve(radii ? size_t(count) : 0);
   for (vtkIdType i = 0; radii && i < count; ++i) block.radiusValues.push_back(float(magnitude(radii, i)));
+  for (vtkDataArray* field : fields) block.fields.push_back(fieldOf(field));
   if (normals) block.normals = unitNormals(set->GetPointData(), flaws);
 
   if (!cells) {

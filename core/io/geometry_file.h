@@ -59,7 +59,8 @@ std::vector<std::string> xmlPieces(const std::string& path, const char* type);
 std::optional<ValuesWanted> valuesOfList(const std::string& path);
 
 /// Reads one file that is not a list. Several components of `values` become their magnitude, unless they are
-/// colours. Normals are the point array "Normals" or "Normals_", or the active normals. `toTake`, if not
+/// colours. Normals are the point array "Normals" or "Normals_", or the active normals. `values.fields` name arrays of points that
+/// become fields; a file with points must have all of them. `toTake`, if not
 /// empty, is called with the bytes of the file's arrays, then with those of the result. Throws Error for a
 /// file that is missing or malformed, or has no such array.
 GeometryContent readGeometry(const std::string& path, GeometryKind kind, const ValuesWanted& values = {},

@@ -38,6 +38,7 @@ struct Reading {
   uint64_t unusedCells = 0;
   LeftOut leftOut;
   std::vector<std::string> warnings;
+  std::string array;  ///< the first piece with points has its values of this array
 
   /// Of thousands of pieces with the same flaw some are told.
   void warn(const std::string& text) {
@@ -56,6 +57,7 @@ struct Reading {
     if (from.points.empty()) return;
     if (block.points.size() + from.points.size() >= std::numeric_limits<uint32_t>::max())
       throw Error("one rank would hold more than 2^32 - 2 points; use more ranks");
+    if (array.empty()) array = piece.array;
     const uint32_t shift = uint32_t(block.points.size());
     values = values && !from.values.empty();
     colors = colors && !from.colors.empty();
@@ -65,6 +67,9 @@ struct Reading {
       return;
     }
     append(block.points, from.points);
+    if (!areAlike(block.fields, from.fields))
+      throw Error("arrays for `fields` have other numbers of components in other pieces, expected the same");
+    for (size_t f = 0; f < block.fields.size(); f++) append(block.fields[f].values, from.fields[f].values);
     append(block.values, from.values);
     append(block.colors, from.colors);
     append(block.radiusValues, from.radiusValues);
@@ -107,14 +112,15 @@ class PieceReader {
     agree(ranks_, [&] {
       while (next_ < end_) add(read());
     });
+    if (!wanted_.array.empty()) reading_.array = wanted_.array;
     return std::move(reading_);
   }
 
  private:
   void choose(const ValuesWanted& values) {
-    const std::string radii = wanted_.radii;
-    wanted_ = values;
-    wanted_.radii = radii;
+    wanted_.array = values.array;
+    wanted_.ofCells = values.ofCells;
+    wanted_.orNone = values.orNone;
   }
 
   GeometryContent read() {
@@ -187,6 +193,56 @@ std::vector<std::string> gathered(Collectives& ranks, const std::vector<std::str
   return all;
 }
 
+/// What the values are called: as their array, unless that is a field, too, which has several components.
+std::string nameOfValues(const std::string& array, const GeometryBlock& block) {
+  const PointField* field = findField(block.fields, array);
+  return field && field->components > 1 ? "mag(" + array + ")" : array;
+}
+
+std::vector<PointField> fieldsIn(const Bytes& message) {
+  std::vector<PointField> fields;
+  Reader in(message, "fields of points");
+  while (!in.rest().empty()) {
+    PointField& f = fields.emplace_back();
+    f.name = in.readString();
+    f.components = in.read<int32_t>();
+  }
+  return fields;
+}
+
+/// Collective. Ranks without points get the fields that those with points have. All ranks learn what fields there are.
+void declareFields(OwnedGeometry& geometry, Collectives& ranks) {
+  GeometryBlock& block = geometry.block;
+  Writer mine;
+  mine.write(uint8_t(!block.points.empty()));
+  for (const PointField& f : block.fields) mine.write(f.name).write(int32_t(f.components));
+  const std::vector<Bytes> told = ranks.allGather(mine.take());
+  agree(ranks, [&] {
+    std::optional<std::vector<PointField>> all;
+    for (const Bytes& message : told) {
+      if (message.at(0) == std::byte(0)) continue;
+      std::vector<PointField> fields = fieldsIn(Bytes(message.begin() + 1, message.end()));
+      if (all && !areAlike(*all, fields))
+        throw Error(geometry.name +
+                    ": ranks have different fields of points, expected the same names and components");
+      all = std::move(fields);
+    }
+    if (block.points.empty() && all) block.fields = *all;
+    geometry.fields.clear();
+    for (const PointField& f : block.fields)
+      geometry.fields.push_back({f.name, f.components, std::vector<Range>(partsOf(f.components))});
+  });
+}
+
+void extendRanges(OwnedGeometry& geometry, size_t point) {
+  for (size_t f = 0; f < geometry.fields.size(); ++f) {
+    const PointField& field = geometry.block.fields[f];
+    std::vector<Range>& ranges = geometry.fields[f].ranges;
+    for (int c = 0; c < field.components; ++c) ranges[size_t(c)].extend(double(fieldValue(field, c, point)));
+    if (field.components > 1) ranges.back().extend(double(fieldValue(field, -1, point)));
+  }
+}
+
 }  // namespace
 
 LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const ValuesWanted& wanted,
@@ -212,6 +268,7 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
   if (rank == 0 && pointsOfColors > 0 && pointsOfValues > 0)
     reading.warn(path + ": some pieces have colours where others have values, so neither are used");
   if (!normals) reading.block.normals.clear();
+  if ((values && pointsOfValues > 0) || geometry.colored) geometry.array = reading.array;
 
   // Pieces are numbered one after the other, those of lower ranks first.
   const std::vector<uint64_t> counts = gatherCounts(ranks, reading.block.ids.size());
@@ -242,11 +299,13 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
 
   if (!wanted.radii.empty()) geometry.radiusRange.emplace();
   measureGeometry(loaded, ranks);
+  geometry.array = nameOfValues(geometry.array, geometry.block);
   return loaded;
 }
 
 void measureGeometry(LoadedGeometry& loaded, Collectives& ranks) {
   OwnedGeometry& geometry = loaded.geometry;
+  declareFields(geometry, ranks);
   // Points that no primitive uses do not count.
   Range radii;
   agree(ranks, [&] {
@@ -257,12 +316,14 @@ void measureGeometry(LoadedGeometry& loaded, Collectives& ranks) {
         geometry.box.extend(geometry.block.points[point]);
         if (!geometry.block.values.empty()) geometry.range.extend(double(geometry.block.values[point]));
         if (!geometry.block.radiusValues.empty()) radii.extend(double(geometry.block.radiusValues[point]));
+        extendRanges(geometry, point);
       }
     }
   });
   mergeBox(ranks, geometry.box);
   mergeRanges(ranks, std::span(&geometry.range, 1));
   mergeRanges(ranks, std::span(&radii, 1));
+  for (PointFieldInfo& f : geometry.fields) mergeRanges(ranks, f.ranges);
   if (geometry.radiusRange) geometry.radiusRange = radii;
   const PointSpread spread = spreadOf(loaded, ranks);
   geometry.middle = geometry.kind == GeometryKind::Particles ? spread.middle : geometry.box;

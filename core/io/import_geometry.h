@@ -24,7 +24,7 @@ struct LoadedGeometry {
 /// lines) are dropped and counted.
 /// Values are of the same array in all pieces. If `wanted` names it, each piece must have it; else it is the one that a .pvtu
 /// or .pvtp declares, or that is chosen of the first piece with points. Each piece must also have the array of radii, if
-/// `wanted` names one. Normals, and values or colours that are not named, are used only if all pieces have them.
+/// `wanted` names one, and those of `wanted.fields`, with as many components. Normals, and values or colours that are not named, are used only if all pieces have them.
 /// On rank 0 `warnings` receives what was flawed or is not used in any file; null: they are logged. `toTake`, if any, is told
 /// what this rank takes for each file before it does: what the file's arrays take, then what they become. If any rank
 /// fails, all throw the same Error.
@@ -32,8 +32,8 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
                             Collectives& ranks, const TakeMemory& toTake = {},
                             std::vector<std::string>* warnings = nullptr);
 
-/// Collective. Computes the box, the ranges of values and of radii, `middle` and `spacing` of geometry whose block and numbers of
-/// primitives are complete. If any rank fails, all throw the same Error.
+/// Collective. Computes the box, the ranges of values, of radii and of fields, `middle` and `spacing` of geometry whose block and numbers
+/// of primitives are complete. Ranks with points have the same fields; those without get them. If any rank fails, all throw the same Error.
 void measureGeometry(LoadedGeometry& loaded, Collectives& ranks);
 
 /// Collective. Gives each primitive one owner. If every rank has read all primitives, each rank keeps those that keepHome()

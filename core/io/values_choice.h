@@ -29,6 +29,8 @@ struct ValuesWanted {
   std::optional<bool> ofCells;  ///< true: an array of cells only; false: of points only; absent: either
   bool orNone = false;          ///< if the file has no array of that name, there are no values and no Error
   std::string radii;            ///< array of points that gives radii; empty: the values give them
+  std::vector<std::string>
+      fields;  ///< arrays of points that become further fields, with all their components
 
   ValuesWanted() = default;
   ValuesWanted(std::string name, std::optional<bool> cells = {}, bool none = false)

@@ -16,6 +16,8 @@
 #include <vtkXMLPolyDataWriter.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
+#include <algorithm>
+
 #include "core/comm/error.h"
 #include "core/io/cell_list.h"
 #include "core/io/color_arrays.h"
@@ -89,6 +91,15 @@ void setPoints(vtkPointSet* set, const GeometryBlock& block, const std::string& 
     set->GetPointData()->SetScalars(colorArray<vtkUnsignedCharArray>(block.colors, byteOf));
   if (!block.colors.empty() && !bytes)
     set->GetPointData()->SetScalars(colorArray<vtkFloatArray>(block.colors, [](float c) { return c; }));
+  for (const PointField& f : block.fields) {
+    if (repeatsValues(block, f, array)) continue;
+    const auto values = vtkSmartPointer<vtkFloatArray>::New();
+    values->SetName(f.name.c_str());
+    values->SetNumberOfComponents(f.components);
+    values->SetNumberOfTuples(vtkIdType(block.points.size()));
+    std::copy(f.values.begin(), f.values.end(), values->GetPointer(0));
+    set->GetPointData()->AddArray(values);
+  }
   if (!block.normals.empty()) {
     const auto normals = vtkSmartPointer<vtkFloatArray>::New();
     normals->SetName("Normals");
@@ -242,6 +253,10 @@ void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiec
   if (!like.colors.empty())
     text += "      <PDataArray type=\"" + std::string(haveBytes(like.colors) ? "UInt8" : "Float32") +
             "\" Name=\"RGB\" NumberOfComponents=\"3\"/>\n";
+  for (const PointField& f : like.fields)
+    if (!repeatsValues(like, f, array))
+      text += "      <PDataArray type=\"Float32\" Name=\"" + escaped(f.name) + "\" NumberOfComponents=\"" +
+              std::to_string(f.components) + "\"/>\n";
   if (!like.normals.empty())
     text += "      <PDataArray type=\"Float32\" Name=\"Normals\" NumberOfComponents=\"3\"/>\n";
   text += "    </PPointData>\n";

@@ -10,7 +10,9 @@ namespace gxy {
 
 /// Writes the primitives of a block in the format of the path's extension. .vtp and .vtu: all kinds, double
 /// coordinates, nothing is lost. .ply: triangles, double coordinates, values as the property "value". .stl:
-/// triangles, float coordinates only. .csv: particles, a line of text each. Values become the point array `array`. Colours become the array "RGB",
+/// triangles, float coordinates only. .csv: particles, a line of text each. Values become the point array `array`. Fields become
+/// point arrays of their names: all components, and in a .csv and a .ply a column or property for each, NAME:0, NAME:1. Names of
+/// properties have _ for what else separates words there. A field of one component with the name `array` is left out, as the values are it. Colours become the array "RGB",
 /// or red, green and blue in a .ply. Colours are written as unsigned char if all colours of the block are
 /// such numbers (of `whole`, if the block is a piece of it), and otherwise as float. Segments that continue
 /// each other become one polyline. Throws Error if the file cannot be written.

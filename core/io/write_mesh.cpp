@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <set>
 
 #include "core/comm/error.h"
 #include "core/io/file.h"
@@ -24,6 +26,26 @@ void put(std::string& bytes, T value) {
   bytes.append(raw, sizeof(T));
 }
 
+/// In quotes, and those of the name twice (RFC 4180).
+std::string quotedColumn(const std::string& name) {
+  std::string text = "\"";
+  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + '"';
+}
+
+/// The name of a component in a file without arrays of several.
+std::string componentName(const PointField& field, int component, char between) {
+  return field.components == 1 ? field.name : field.name + between + std::to_string(component);
+}
+
+/// A word that no other property has.
+std::string propertyName(std::string name, std::set<std::string>& taken) {
+  for (char& c : name)
+    if (!std::isgraph(static_cast<unsigned char>(c))) c = '_';
+  while (!taken.insert(name).second) name += '_';
+  return name;
+}
+
 }  // namespace
 
 uint8_t byteOf(float component) { return uint8_t(std::lround(component * 255)); }
@@ -38,14 +60,15 @@ bool haveBytes(const std::vector<glm::vec3>& colors) {
 
 void writeCsv(const std::string& path, const GeometryBlock& block, const std::string& array) {
   std::string text = "x,y,z";
-  // In quotes, and those of the name twice (RFC 4180).
-  if (!block.values.empty()) {
-    text += ",\"";
-    for (const char c : array) text += c == '"' ? std::string("\"\"") : std::string(1, c);
-    text += '"';
-  }
+  if (!block.values.empty()) text += ',' + quotedColumn(array);
   if (!block.colors.empty()) text += ",red,green,blue";
   if (!block.radiusValues.empty()) text += ",radius";
+  std::vector<const PointField*> fields;
+  for (const PointField& f : block.fields) {
+    if (repeatsValues(block, f, array)) continue;
+    fields.push_back(&f);
+    for (int c = 0; c < f.components; ++c) text += ',' + quotedColumn(componentName(f, c, ':'));
+  }
   const auto put = [&](auto value, char end) {
     std::array<char, 32> digits;
     const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), value);
@@ -58,6 +81,8 @@ void writeCsv(const std::string& path, const GeometryBlock& block, const std::st
     if (!block.values.empty()) put(block.values[i], ',');
     for (int c = 0; c < 3 && !block.colors.empty(); ++c) put(block.colors[i][c], ',');
     if (!block.radiusValues.empty()) put(block.radiusValues[i], ',');
+    for (const PointField* f : fields)
+      for (int c = 0; c < f->components; ++c) put(fieldValue(*f, c, i), ',');
     text.back() = '\n';
   }
   writeText(path, text);
@@ -73,6 +98,10 @@ void writePly(const std::string& path, const GeometryBlock& block) {
   for (const char* component : {"red", "green", "blue"})
     if (!block.colors.empty())
       bytes += std::string("property ") + (inBytes ? "uchar " : "float ") + component + "\n";
+  std::set<std::string> taken{"x", "y", "z", "nx", "ny", "nz", "value", "red", "green", "blue", "alpha"};
+  for (const PointField& f : block.fields)
+    for (int c = 0; c < f.components; ++c)
+      bytes += "property float " + propertyName(componentName(f, c, '_'), taken) + "\n";
   bytes += "element face " + std::to_string(block.triangles.size()) +
            "\nproperty list uchar int vertex_indices\nend_header\n";
   for (size_t i = 0; i < block.points.size(); ++i) {
@@ -82,6 +111,8 @@ void writePly(const std::string& path, const GeometryBlock& block) {
     if (!block.values.empty()) put(bytes, block.values[i]);
     for (int c = 0; c < 3 && !block.colors.empty(); ++c)
       inBytes ? put(bytes, byteOf(block.colors[i][c])) : put(bytes, block.colors[i][c]);
+    for (const PointField& f : block.fields)
+      for (int c = 0; c < f.components; ++c) put(bytes, fieldValue(f, c, i));
   }
   for (const auto& triangle : block.triangles) {
     put(bytes, uint8_t(3));

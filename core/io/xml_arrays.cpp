@@ -89,11 +89,13 @@ void XmlArrays::choose(const std::vector<vtkXMLDataElement*>& pieces, const Arra
     if (needed.normals && (isNameOfNormals(array.name) || array.name == points.normals))
       chosen_.insert(array.name);
   if (!needed.values.radii.empty()) chosen_.insert(needed.values.radii);
+  chosen_.insert(needed.values.fields.begin(), needed.values.fields.end());
   if (const auto values = chooseValues(points, cells, needed.values))
     (values->ofCells ? chosenOfCells_ : chosen_).insert(values->name);
   else
     all_ = !needed.values.array.empty() && !needed.values.orNone;  // The error lists them.
   all_ = all_ || (!needed.values.radii.empty() && !points.has(needed.values.radii));
+  for (const std::string& field : needed.values.fields) all_ = all_ || !points.has(field);
 }
 
 bool XmlArrays::isPassedOver(vtkXMLDataElement* array, bool ofCells) const {

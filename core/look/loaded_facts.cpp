@@ -10,11 +10,14 @@ namespace gxy {
 
 DataFacts factsOf(const Volume& volume) {
   const Box box = volume.grid.box();
-  return {box, box, volume.ranges, 0};
+  return {box, box, volume.ranges, 0, {}};
 }
 
 DataFacts factsOf(const OwnedGeometry& geometry) {
-  return {geometry.box, geometry.middle, {geometry.range}, geometry.spacing};
+  DataFacts facts{geometry.box, geometry.middle, {geometry.range}, geometry.spacing, {}};
+  for (const PointFieldInfo& f : geometry.fields)
+    if (f.name != geometry.array || f.components > 1) facts.fields[f.name] = f.ranges;
+  return facts;
 }
 
 double shownValue(const std::byte* sample, ScalarType type, int components) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/data/distribute.h"
+#include "core/data/shown_array.h"
 
 namespace gxy {
 
@@ -29,12 +30,19 @@ void mergeVisible(CompiledScene& scene, Collectives& ranks) {
 DistributedGeometryPtr SharedGeometry::get(const GeometrySource& source, const Vis& vis,
                                            const Partitioning& partitioning, Collectives& ranks,
                                            const EnterMemory& enter) {
-  const Distribution distribution{source.name, radiiOf(vis)};
+  const Distribution distribution{source.name, radiiOf(vis), vis.array, vis.component.value_or(-1)};
   DistributedGeometryPtr known = known_.find(distribution);
   if (everywhere(known != nullptr, ranks)) return known;  // a rank may have forgotten it
+  const ShownArray shown{vis.array, vis.component};
+  std::shared_ptr<const OwnedGeometry> toShow;
+  LedgerEntry copy;
+  agree(ranks, [&] {
+    if (const int64_t bytes = bytesToShow(*source.owned, shown)) copy = enter("geometry", bytes);
+    toShow = geometryToShow(source.owned, shown, vis.dataset);
+  });
   DistributedGeometry mine;
   mine.geometry = distribute(
-      *source.owned, partitioning,
+      *toShow, partitioning,
       [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); }, ranks);
   agree(ranks, [&] { mine.memory = enter("geometry", bytesOf(*mine.geometry)); });
   return known_.get(distribution, [&] { return std::move(mine); });

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -27,7 +28,7 @@ using EnterMemory = std::function<LedgerEntry(const char* purpose, int64_t bytes
 
 /// Geometry that has not been distributed to the partitions that it touches.
 struct GeometrySource {
-  /// Scenes share the distributed geometry if this name and the radii are the same. So different geometry needs different names.
+  /// Scenes share the distributed geometry if this name, the radii and what is shown are the same. So different geometry needs different names.
   std::string name;
   std::shared_ptr<const OwnedGeometry> owned;
 };
@@ -42,13 +43,14 @@ using DistributedGeometryPtr = std::shared_ptr<const DistributedGeometry>;
 /// Keeps distributed geometry for as long as somebody holds it, so that scenes share it. There is one on each rank. Thread safe.
 class SharedGeometry {
  public:
-  /// Collective. Returns the geometry with the radii that `vis` gives it. If any rank does not have it, the geometry is
-  /// distributed and `enter` is called for "geometry". If either fails on one rank, all ranks throw the same Error.
+  /// Collective. Returns the geometry with the radii and the values that `vis` gives it. If any rank does not have it, the geometry
+  /// is distributed and `enter` is called for "geometry". If either fails on one rank, all ranks throw the same Error.
   DistributedGeometryPtr get(const GeometrySource& source, const Vis& vis, const Partitioning& partitioning,
                              Collectives& ranks, const EnterMemory& enter);
 
  private:
-  using Distribution = std::pair<std::string, std::array<double, 4>>;  ///< name and radiiOf()
+  /// Name, radiiOf(), Vis::array and Vis::component or -1.
+  using Distribution = std::tuple<std::string, std::array<double, 4>, std::string, int>;
   SharedBy<Distribution, DistributedGeometry> known_;
 };
 

@@ -27,4 +27,18 @@ DatasetType typeOf(const Dataset& dataset) {
   return DatasetType::Triangles;
 }
 
+std::optional<GeometryKind> geometryKindOf(DatasetType type) {
+  switch (type) {
+    case DatasetType::Volume:
+      break;
+    case DatasetType::Particles:
+      return GeometryKind::Particles;
+    case DatasetType::PathLines:
+      return GeometryKind::PathLines;
+    case DatasetType::Triangles:
+      return GeometryKind::Triangles;
+  }
+  return std::nullopt;
+}
+
 }  // namespace gxy

@@ -17,5 +17,7 @@ const char* nameOf(DatasetType type);
 std::optional<DatasetType> datasetTypeNamed(const std::string& name);
 /// Returns the type of a dataset, which has a volume or geometry.
 DatasetType typeOf(const Dataset& dataset);
+/// Returns the kind of geometry of a type; nothing for volumes.
+std::optional<GeometryKind> geometryKindOf(DatasetType type);
 
 }  // namespace gxy

@@ -96,7 +96,7 @@ void checkNames(const FilterSchema& filter, const DatasetSpec& entry) {
           where + "there is no input " + inQuotes(input.input, '`') +
           suggestion(input.input, namesOf(filter.inputs)) +
           (filter.inputs.empty() ? "; expected none" : "; expected " + quotedNames(namesOf(filter.inputs))));
-    if (port->count != FilterPort::Count::Many && input.datasets.size() != 1)
+    if (!port->takesMany() && input.datasets.size() != 1)
       throw Error(where + "input " + inQuotes(input.input, '`') + ": expected one dataset, found " +
                   std::to_string(input.datasets.size()));
   }
@@ -238,7 +238,7 @@ void checkInputs(const FilterSchema& filter, const DatasetSpec& entry,
 std::vector<const FilterPort*> missingInputs(const FilterSchema& filter, const DatasetSpec& entry) {
   std::vector<const FilterPort*> missing;
   for (const FilterPort& port : filter.inputs) {
-    if (port.count == FilterPort::Count::Optional || port.count == FilterPort::Count::AnyName) continue;
+    if (port.mayLack()) continue;
     const bool there = std::any_of(entry.inputs.begin(), entry.inputs.end(), [&](const FilterInput& input) {
       return input.input == port.name && !input.datasets.empty();
     });
@@ -303,7 +303,8 @@ std::string filterReference(const FilterSchemas& filters) {
       const bool any = port.count == FilterPort::Count::AnyName;
       out += "| " + (any ? port.name : inQuotes(port.name, '`')) + " | " + gxy::namesOf(port.types) +
              (port.count == FilterPort::Count::Optional ? ", optional" : "") +
-             (port.count == FilterPort::Count::Many ? ", one or more" : "") + (any ? ", any number" : "") +
+             (port.count == FilterPort::Count::Many ? ", one or more" : "") +
+             (port.count == FilterPort::Count::Any ? ", none or more" : "") + (any ? ", any number" : "") +
              " | " + port.help + " |\n";
     }
     if (!filter.inputs.empty()) out += "\n";

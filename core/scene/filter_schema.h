@@ -23,12 +23,14 @@ std::string namesOf(unsigned types);
 
 /// One input of a filter.
 struct FilterPort {
-  enum class Count { One, Optional, Many, AnyName };
+  enum class Count { One, Optional, Many, Any, AnyName };
   std::string name;  ///< AnyName: what messages call it; entries choose the names of these inputs
   unsigned types = kVolumes;
   std::string help;
-  Count count =
-      Count::One;  ///< Many: one or more datasets under one name. AnyName: any number, one under each name
+  Count count = Count::
+      One;  ///< Many: one or more datasets under one name. Any: none or more. AnyName: any number, one under each name
+  bool takesMany() const { return count == Count::Many || count == Count::Any; }
+  bool mayLack() const { return count == Count::Optional || count == Count::Any || count == Count::AnyName; }
 };
 
 /// What documents may say of one filter, and what is told to users. It is made from the filter's declaration

@@ -16,14 +16,20 @@ const char* typeName(VisType type) {
   return kNames[unsigned(type)];
 }
 
+// What took the place of operators of the earlier Galaxy.
+constexpr const char* kIsosurfaceEntry =
+    R"json({"filter": "IsosurfaceSampler", "inputs": {"field": DATASET}, "isovalue": VALUE})json";
+constexpr const char* kGradientEntry =
+    R"json({"filter": "IsosurfaceSampler", "inputs": {"field": GRADIENT}, "isovalue": VALUE}, where GRADIENT is )json"
+    R"json({"filter": "Derive", "inputs": {"f": DATASET}, "expression": "mag(grad(f))"})json";
+
 void readType(const Found& found, Vis& vis) {
   std::string name = found.text();
   if (name.ends_with("Vis")) name.resize(name.size() - 3);
   if (name == "IsoSampler" || name == "GradientSampler") {
-    found.context.fail(found.value.at,
-                       inQuotes(found.key, '`') + ": " + inQuotes(found.text()) +
-                           " samples data and is not supported by rendering; expected Volume, "
-                           "Particles, PathLines or Triangles");
+    found.context.fail(found.value.at, inQuotes(found.key, '`') + ": " + inQuotes(found.text()) +
+                                           " samples data, which an entry of `Datasets` does now: " +
+                                           (name == "IsoSampler" ? kIsosurfaceEntry : kGradientEntry));
   }
   if (name == "Volume") {
     vis.type = VisType::Volume;
@@ -61,6 +67,8 @@ void rejectKey(const Found& found, Vis&) {
 }
 
 void readComponent(const Found& found, Vis& vis) {
+  if (vis.type != VisType::Volume && vis.array.empty())
+    found.warn("it has no effect without `array` on an operator of this type");
   if (found.value.string() && *found.value.string() == "magnitude") return vis.component.reset();
   if (!found.value.number()) found.fail("an integer >= 0 or \"magnitude\"");
   vis.component = found.integer(kNonNegative);
@@ -120,9 +128,15 @@ std::vector<KeyRow<Vis>> whatKeys() {
       customKey<Vis>("key", "-", "Not accepted: the earlier Galaxy's internal number of a dataset.",
                      rejectKey)
           .byDefault("-"),
-      customKey<Vis>("component", "integer >= 0 or \"magnitude\"", "Component of a volume that has several.",
-                     readComponent, [](V v) { return orAbsent(v.component); })
-          .only(kVolume)
+      textKey("array", &Vis::array,
+              "Which field of the points gives the values, and the radii unless the dataset has a `radius "
+              "array`. "
+              "Filters and the key `fields` of datasets give points several.")
+          .only(kGeometry)
+          .byDefault("the dataset's values"),
+      customKey<Vis>("component", "integer >= 0 or \"magnitude\"",
+                     "Component of a volume, or of an `array`, that has several.", readComponent,
+                     [](V v) { return orAbsent(v.component); })
           .byDefault("magnitude"),
       flagKey("volume rendering", &Vis::volumeRendering,
               "March through the volume; combines with `isovalues` and `slices`.")

@@ -29,7 +29,14 @@ struct ReadContext {
   std::vector<std::string> warnings;
   size_t suppressedWarnings = 0;
 
-  std::vector<DatasetSpec> datasets;    ///< datasets of this file, once they have been read
+  std::vector<DatasetSpec> datasets;  ///< datasets of this file, once they have been read
+  /// An operator of `Operators`, without its name.
+  struct NamedOperator {
+    JsonValue value;
+    size_t values = 0;  ///< how many values it has
+  };
+  std::map<std::string, NamedOperator> operators;  ///< once they have been read
+  size_t namedValues = 0;  ///< of all operators that were named in place of an operator, each time
   std::optional<Lighting> oldLighting;  ///< Renderer.Lighting, for visualizations without their own
 
   // Contents of preset and camera files by name, since a short text may name a long file many times.

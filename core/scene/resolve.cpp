@@ -12,10 +12,14 @@
 namespace gxy {
 namespace {
 
+/// A name that is no further field is that of the values, or there is no such array, which is told where it is shown.
 Range rangeOf(const Vis& vis, const DataFacts& facts) {
-  if (facts.ranges.empty()) return {};
-  const size_t chosen = vis.component ? size_t(*vis.component) : facts.ranges.size() - 1;
-  return chosen < facts.ranges.size() ? facts.ranges[chosen] : Range{};
+  const auto field = facts.fields.find(vis.array);
+  const std::vector<Range>& ranges = field == facts.fields.end() ? facts.ranges : field->second;
+  if (ranges.empty()) return {};
+  const bool ofComponent = vis.component && (vis.type == VisType::Volume || !vis.array.empty());
+  const size_t chosen = ofComponent ? size_t(*vis.component) : ranges.size() - 1;
+  return chosen < ranges.size() ? ranges[chosen] : Range{};
 }
 
 double longestSide(const Box& box) {

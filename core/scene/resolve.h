@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Replaces what a state leaves to the data (ranges of maps, radii, the viewpoint) by numbers.
 #pragma once
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/data/box.h"
@@ -17,6 +19,8 @@ struct DataFacts {
   /// components. Geometry has one.
   std::vector<Range> ranges;
   double spacing = 0;  ///< mean distance between neighbouring points of geometry, world units; 0: unknown
+  /// Ranges of the further fields of geometry by name, each as those of a volume.
+  std::map<std::string, std::vector<Range>> fields = {};
 };
 
 /// The ranges and the box that pictures of a visualization have shown so far. Later time steps widen them and

@@ -97,7 +97,8 @@ inline std::array<Plane, 6> planesAround(const glm::dvec3& lo, const glm::dvec3&
 struct Vis {
   VisType type = VisType::Volume;
   std::string dataset;           ///< name of the dataset
-  std::optional<int> component;  ///< component of a volume with several; absent: the magnitude
+  std::string array;             ///< of geometry: the field that gives values; empty: the dataset's values
+  std::optional<int> component;  ///< of a volume or an array with several; absent: the magnitude
   ColorMap colormap{{{0, glm::dvec3(0.4)}, {1, glm::dvec3(1)}}};
   OpacityMap opacitymap{false, {{0, 1}}};
   std::optional<std::array<double, 2>> dataRange;  ///< both maps are stretched over these values
@@ -146,9 +147,10 @@ struct DatasetSpec {
   std::string array;                   ///< array of the file; empty: its active scalars, else its first array
   glm::dvec4 color{0.8, 0.8, 0.8, 1};  ///< colour of geometry whose file has no values to map
   std::string radiusArray{};           ///< array of the file that gives radii; empty: the values give them
-  std::string filter{};                ///< name of the filter that makes it
-  std::vector<FilterInput> inputs{};   ///< of the filter
-  std::string properties{};            ///< the filter's own keys: the text of a JSON object
+  std::vector<std::string> fields{};  ///< arrays of the file's points that operators may show besides `array`
+  std::string filter{};               ///< name of the filter that makes it
+  std::vector<FilterInput> inputs{};  ///< of the filter
+  std::string properties{};           ///< the filter's own keys: the text of a JSON object
 
   bool isLive() const { return filename.empty() && filter.empty(); }
   bool operator==(const DatasetSpec&) const = default;
@@ -173,6 +175,22 @@ struct Annotations {
   bool operator==(const Annotations&) const = default;
 };
 
+/// Something that is made of data beside pictures of windows.
+struct OutputSpec {
+  enum class Type { DataFile, Pictures, Publish };
+  std::string name;  ///< each once; default: `to`
+  Type type = Type::DataFile;
+  std::string of;  ///< DataFile and Publish: a dataset; Pictures: a view of a graph document
+  std::string to;  ///< DataFile and Pictures: the file; Publish: what the dataset is called
+  bool operator==(const OutputSpec&) const = default;
+};
+
+/// Returns the name of a type as state files have it.
+const char* nameOf(OutputSpec::Type type);
+
+/// Returns `to` with {step} replaced by a number of at least six digits.
+std::string fileOfStep(const std::string& to, int64_t step);
+
 /// A whole state file.
 struct State {
   std::vector<DatasetSpec> datasets;
@@ -180,6 +198,7 @@ struct State {
   std::vector<Visualization> visualizations;
   std::vector<Camera> cameras;
   Annotations annotations;
+  std::vector<OutputSpec> outputs;
   bool operator==(const State&) const = default;
 };
 

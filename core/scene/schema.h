@@ -241,6 +241,7 @@ const Schema<Vis>& operatorSchema();
 const Schema<Visualization>& visualizationSchema();
 const Schema<DatasetSpec>& datasetSchema();
 const Schema<RenderSettings>& rendererSchema();
+const Schema<OutputSpec>& outputSchema();
 const Schema<Annotations>& annotationsSchema();
 const Schema<State>& stateSchema();
 

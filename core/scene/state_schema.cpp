@@ -54,21 +54,89 @@ KeyRow<RenderSettings> obsoleteKey(std::string name, std::string why) {
 /// A ray names the surface that it starts on by its operator and its number in that operator, in 16 bits each.
 constexpr size_t kMostSurfaces = 65535;
 
+Vis readOperator(const Found& item, const JsonValue& value) {
+  Vis vis;
+  readObject(item.context, value, operatorSchema(), vis);
+  if (const size_t surfaces = vis.isovalues.size() + vis.slices.size(); surfaces > kMostSurfaces)
+    item.context.fail(value.at, inQuotes(item.key, '`') + ": expected at most " +
+                                    std::to_string(kMostSurfaces) + " isovalues and slices together, found " +
+                                    std::to_string(surfaces));
+  if (vis.type == VisType::Volume && !vis.volumeRendering && vis.isovalues.empty() && vis.slices.empty())
+    item.warn("shows nothing; a Volume needs `volume rendering`, `isovalues` or `slices`");
+  return vis;
+}
+
 void readOperators(const Found& found, Visualization& visualization) {
   for (const Found& item : found.list("a list of operators")) {
     if (visualization.operators.size() == kMostSurfaces)
       item.fail("at most " + std::to_string(kMostSurfaces) + " operators");
-    Vis vis;
-    readObject(item.context, item.value, operatorSchema(), vis);
-    if (const size_t surfaces = vis.isovalues.size() + vis.slices.size(); surfaces > kMostSurfaces)
-      item.context.fail(item.value.at,
-                        inQuotes(item.key, '`') + ": expected at most " + std::to_string(kMostSurfaces) +
-                            " isovalues and slices together, found " + std::to_string(surfaces));
-    if (vis.type == VisType::Volume && !vis.volumeRendering && vis.isovalues.empty() && vis.slices.empty()) {
-      item.warn("shows nothing; a Volume needs `volume rendering`, `isovalues` or `slices`");
+    const JsonValue* value = &item.value;
+    if (std::holds_alternative<std::string>(item.value.value)) {
+      const auto& named = item.context.operators;
+      const auto known = named.find(item.text());
+      if (known == named.end()) {
+        std::vector<std::string> names;
+        for (const auto& [name, op] : named) names.push_back(name);
+        item.fail("an operator, or the name of one of `Operators`" + suggestion(item.text(), names));
+      }
+      value = &known->second.value;
+      item.context.namedValues += known->second.values;
+      if (item.context.namedValues > kMaxJsonValues)
+        item.fail("at most " + std::to_string(kMaxJsonValues) + " values in all operators that are named");
     }
-    visualization.operators.push_back(std::move(vis));
+    visualization.operators.push_back(readOperator(item, *value));
   }
+}
+
+/// How many values a value has, with long texts as several.
+size_t valuesIn(const JsonValue& value) {
+  size_t count = 1;
+  if (const auto* text = value.string()) count += text->size() / sizeof(JsonValue);
+  if (const auto* items = value.array())
+    for (const JsonValue& item : *items) count += valuesIn(item);
+  if (const auto* members = value.object())
+    for (const JsonMember& member : *members) count += valuesIn(member.value);
+  return count;
+}
+
+void readNamedOperators(const Found& found, State&) {
+  readOneOrMany(found, [&](const Found& item) {
+    const JsonMember* name = item.value.find("name");
+    if (!name)
+      item.context.fail(item.value.at, inQuotes(item.key, '`') +
+                                           ": `name` is missing, expected what visualizations call it");
+    const std::string& text = Found{item.context, "name", name->value, item.value}.text();
+    JsonValue op = item.value;
+    std::erase_if(std::get<JsonValue::Object>(op.value),
+                  [](const JsonMember& member) { return member.key == "name"; });
+    readOperator(item, op);  // also of those that no visualization has
+    const size_t values = valuesIn(op);
+    if (!item.context.operators.emplace(text, ReadContext::NamedOperator{std::move(op), values}).second)
+      item.context.fail(name->at, "two operators named " + inQuotes(text) + "; expected each name once");
+  });
+}
+
+void readOutputType(const Found& found, OutputSpec& output) {
+  using Type = OutputSpec::Type;
+  for (const Type type : {Type::DataFile, Type::Pictures, Type::Publish})
+    if (found.text() == nameOf(type)) {
+      output.type = type;
+      return;
+    }
+  found.fail("Data file, Pictures or Publish");
+}
+
+void readOutputs(const Found& found, State& state) {
+  readOneOrMany(found, [&](const Found& item) {
+    OutputSpec output;
+    readObject(item.context, item.value, outputSchema(), output);
+    if (output.name.empty()) output.name = output.to;
+    for (const OutputSpec& other : state.outputs)
+      if (other.name == output.name)
+        item.context.fail(item.value.at,
+                          "two outputs named " + inQuotes(output.name) + "; expected each name once");
+    state.outputs.push_back(std::move(output));
+  });
 }
 
 void readVisualizations(const Found& found, State& state) {
@@ -103,6 +171,8 @@ void readDatasetType(const Found& found, DatasetSpec& dataset) {
   dataset.type = *type;
 }
 
+constexpr size_t kMostFieldsOfDataset = 256;
+
 const Schema<DatasetSpec>& datasetSchema() {
   using D = DatasetSpec;
   static const Schema<D> schema{
@@ -130,6 +200,20 @@ const Schema<DatasetSpec>& datasetSchema() {
               [](const D& d) { return d.radiusArray.empty() ? OrderedJson() : OrderedJson(d.radiusArray); })
               .only(1u << unsigned(DatasetType::Particles) | 1u << unsigned(DatasetType::PathLines))
               .byDefault("`array`"),
+          customKey<D>(
+              "fields", "text or list of texts",
+              "Which further arrays of the file's points are read. Operators show them by `array`, and files "
+              "that are exported have them.",
+              [](const Found& f, D& d) {
+                readOneOrMany(f, [&](const Found& name) {
+                  if (d.fields.size() == kMostFieldsOfDataset) name.fail("at most 256 arrays");
+                  if (std::count(d.fields.begin(), d.fields.end(), name.text())) name.fail("each array once");
+                  if (d.type != DatasetType::Volume) d.fields.push_back(name.text());
+                });
+              },
+              [](const D& d) { return d.fields.empty() ? OrderedJson() : OrderedJson(d.fields); })
+              .only(~(1u << unsigned(DatasetType::Volume)))
+              .byDefault("none"),
           colorKey("color", &D::color,
                    "Colour of geometry whose file has neither values to map nor colours. Values that are NaN "
                    "have the operator's `nan color`.")
@@ -183,6 +267,28 @@ const Schema<Visualization>& visualizationSchema() {
   return schema;
 }
 
+const Schema<OutputSpec>& outputSchema() {
+  using O = OutputSpec;
+  static const Schema<O> schema{
+      "output",
+      {
+          textKey("name", &O::name, "What states and messages call it; each name once.").byDefault("`to`"),
+          customKey<O>("type", "Data file, Pictures or Publish",
+                       "What is made: a file of a dataset; a picture of a view of a [graph](graph.md); or "
+                       "another name of a "
+                       "dataset that a graph makes.",
+                       readOutputType, [](const O& o) { return OrderedJson(nameOf(o.type)); })
+              .require(),
+          textKey("of", &O::of, "The dataset, or the view.").require(),
+          textKey("to", &O::to,
+                  "The file, by whose ending its format is known; {step} becomes the number of the time "
+                  "step. Or the "
+                  "other name.")
+              .require(),
+      }};
+  return schema;
+}
+
 const Schema<Annotations>& annotationsSchema() {
   using A = Annotations;
   static const Schema<A> schema{
@@ -211,6 +317,11 @@ const Schema<State>& stateSchema() {
               [](const Found& f, State& s) { readObject(f.context, f.value, rendererSchema(), s.settings); },
               [](const State& s) { return writeObject(s.settings, rendererSchema()); })
               .byDefault("see below"),
+          customKey<State>("Operators", "operator or list of operators",
+                           "Operators that have a `name` each, which `operators` of visualizations may say "
+                           "in place of an operator.",
+                           readNamedOperators)
+              .byDefault("none"),
           customKey<State>("Visualizations", "visualization or list of visualizations",
                            "What is shown; each is rendered with each camera.", readVisualizations,
                            [](const State& s) { return writeAll(s.visualizations, visualizationSchema()); })
@@ -234,6 +345,12 @@ const Schema<State>& stateSchema() {
                 return s.annotations == Annotations() ? OrderedJson()
                                                       : writeObject(s.annotations, annotationsSchema());
               })
+              .byDefault("none"),
+          customKey<State>("Outputs", "output or list of outputs",
+                           "What is made of data beside pictures of windows.", readOutputs,
+                           [](const State& s) {
+                             return s.outputs.empty() ? OrderedJson() : writeAll(s.outputs, outputSchema());
+                           })
               .byDefault("none"),
       }};
   return schema;

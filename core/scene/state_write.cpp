@@ -74,7 +74,8 @@ std::string writeState(const State& state) {
 std::string stateReference() {
   return table(stateSchema()) + "\n" + table(datasetSchema()) + "\n" + table(filterEntrySchema()) + "\n" +
          table(rendererSchema()) + "\n" + table(visualizationSchema()) + "\n" + table(lightingSchema()) +
-         "\n" + table(operatorSchema()) + "\n" + table(cameraSchema()) + "\n" + table(annotationsSchema());
+         "\n" + table(operatorSchema()) + "\n" + table(cameraSchema()) + "\n" + table(annotationsSchema()) +
+         "\n" + table(outputSchema());
 }
 
 }  // namespace gxy

@@ -113,8 +113,15 @@ void Graph::dropWhatTheDocumentHasNot() {
   ServerRank& serverRank = services_.serverRank;
   std::erase_if(told_, [&](const auto& item) {
     const auto& [kind, name] = item.first;
+    if (kind == flow::NodeId::Kind::Output) return !document_.outputs.contains(name);
     return kind == flow::NodeId::Kind::View ? !document_.looks.contains(name) : !document_.dataset(name);
   });
+  std::erase_if(written_, [&](const auto& item) { return !document_.outputs.contains(item.first); });
+  std::vector<std::string> stopped;
+  for (const auto& [name, running] : writing_)
+    if (!document_.outputs.contains(name)) stopped.push_back(name);
+  for (const std::string& name : stopped) stopOutput(name);
+  unpublish(false);
   for (auto it = named_.begin(); it != named_.end();) {
     const DatasetSpec* spec = document_.dataset(it->first);
     if (spec && !spec->filter.empty()) {
@@ -224,7 +231,7 @@ bool Graph::waitUntilIdle(std::chrono::duration<double> patience, const std::fun
     checkNotEnded();
     const bool fetches = std::any_of(fetched_.begin(), fetched_.end(),
                                      [](const auto& item) { return item.second.isUnderWay; });
-    if (!flow_.isBusy() && !fetches && !isLookPosted()) return true;
+    if (!isBusy() && !fetches && !isLookPosted()) return true;
     if (Clock::now() >= until) return false;
     changed_.wait_for(lock, std::chrono::milliseconds(50));
   }
@@ -260,6 +267,21 @@ void Graph::viewsChanged() {
     for (const auto& [number, changed] : windows) post(changed);
 }
 
+/// Removes the operators whose data are not there, and returns the data of the others.
+SceneCache::GivenData Graph::givenTo(Visualization& visualization, const std::vector<ShownItem>& items,
+                                     const std::map<std::string, glm::dvec4>& colors) {
+  SceneCache::GivenData given;
+  std::erase_if(visualization.operators, [&](const Vis& vis) {
+    const auto item =
+        std::find_if(items.begin(), items.end(), [&](const ShownItem& i) { return i.node == vis.dataset; });
+    if (item == items.end()) return true;
+    const auto color = colors.find(vis.dataset);
+    given.push_back({item->kept, color == colors.end() ? DatasetSpec().color : color->second});
+    return false;
+  });
+  return given;
+}
+
 ViewContent Graph::content(const std::string& view) const {
   const std::lock_guard lock(mutex_);
   ViewContent content;
@@ -281,14 +303,9 @@ ViewContent Graph::content(const std::string& view) const {
   content.text = shown == shown_.end() ? "its data are not there yet" : shown->second.text;
   if (shown == shown_.end() || shown->second.isHeld) return content;
   Visualization visualization = look->second.visualization;
-  std::erase_if(visualization.operators, [&](const Vis& vis) {
-    const auto item = std::find_if(shown->second.items.begin(), shown->second.items.end(),
-                                   [&](const ShownItem& i) { return i.node == vis.dataset; });
-    if (item == shown->second.items.end()) return true;
-    const DatasetSpec* spec = document_.dataset(vis.dataset);
-    content.data.push_back({item->kept, spec ? spec->color : DatasetSpec().color});
-    return false;
-  });
+  std::map<std::string, glm::dvec4> colors;
+  for (const DatasetSpec& d : document_.flow.datasets) colors[d.name] = d.color;
+  content.data = givenTo(visualization, shown->second.items, colors);
   if (!content.data.empty()) content.visualization = std::move(visualization);
   if (content.data.empty() && content.text.empty()) content.text = "it shows none of what is there";
   return content;
@@ -423,8 +440,8 @@ void Graph::postUnlessEnding(std::function<void()> task) {
 void Graph::wantNews() {
   std::vector<std::string> names;
   for (const flow::Target& target : flow_.document().targets()) {
-    const bool isShown = target.id.kind == flow::TargetId::Kind::View && windows_.contains(target.id.name);
-    if (!isShown || !target.follow || flow_.isPaused()) continue;
+    const bool isNeeded = target.id.kind == flow::TargetId::Kind::Output || windows_.contains(target.id.name);
+    if (!isNeeded || !target.follow || flow_.isPaused()) continue;
     for (size_t source : target.sources)
       if (const DatasetSpec& spec = flow_.document().nodes()[source].spec; spec.isLive())
         names.push_back(spec.name);
@@ -444,6 +461,7 @@ void Graph::end() {
     wish_ = nullptr;
     for (const auto& [number, running] : running_) stop(*running);
     for (const auto& [source, fetched] : fetched_) stop(*fetched.running);
+    for (const auto& [name, running] : writing_) stop(*running);
     viewsChanged();
     send({{"event", "graph"}, {"graph", name_}, {"revision", revision_}, {"dropped", true}});
     watchers_.clear();
@@ -468,6 +486,7 @@ void Graph::release() {
     named.swap(named_);
     imported.swap(imported_);
     outputs.swap(outputs_);
+    unpublish(true);
     shown_.clear();
     holds_.clear();
     told_.clear();

@@ -70,7 +70,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   void cancel(const std::optional<std::string>& node);
   void pause();
   void resume();
-  /// Waits until nothing runs and no wave is under way. `check` is called about every 50 ms, and may throw. Returns false if it takes
+  /// Waits until nothing runs, no wave is under way, and outputs are made. `check` is called about every 50 ms, and may throw. Returns false if it takes
   /// longer than this.
   bool waitUntilIdle(std::chrono::duration<double> patience, const std::function<void()>& check);
 
@@ -94,7 +94,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   using Clock = std::chrono::steady_clock;
   struct Running {
     explicit Running(std::string n) : node(std::move(n)) {}
-    const std::string node;
+    const std::string node;  ///< or output
     std::atomic<bool> isCancelled = false;
     std::atomic<uint64_t> exchange = 0;
   };
@@ -112,6 +112,30 @@ class Graph : public std::enable_shared_from_this<Graph> {
     DatasetSpec spec;
     bool isUnderWay = true;
     std::shared_ptr<Running> running;
+  };
+  /// An output that is being made.
+  struct OutputJob {
+    OutputSpec what;
+    uint64_t wave = 0;
+    std::vector<ShownItem> items;
+    // Of pictures:
+    std::optional<ViewLook> look;
+    RenderSettings settings;
+    std::map<std::string, glm::dvec4> colors;  ///< of geometry, by dataset
+  };
+  /// What has become of an output last.
+  struct Written {
+    std::string file, error;
+    int rank = -1;
+  };
+  struct Published {
+    std::string name;
+    std::shared_ptr<const GraphOutput> output;  ///< which stays as long as it has the name
+  };
+  /// Why something failed, and on which rank.
+  struct Failure {
+    std::string text;
+    int rank = -1;
   };
   struct Watcher {
     Client client;
@@ -163,9 +187,27 @@ class Graph : public std::enable_shared_from_this<Graph> {
   void stop(Running& running);
   std::function<void(uint64_t exchange)> begunOf(const std::shared_ptr<Running>& running);
 
+  static Failure failureOf(const std::string& text);
+  std::vector<ShownItem> itemsOf(const flow::ShowData& action, const std::vector<ShownItem>& known) const;
+
+  // graph_outputs.cpp: what it makes of data beside showing them
+  void carryOut(const flow::ShowData& action, std::vector<ShownItem> items);
+  void stopOutput(const std::string& name);
+  bool isBusy() const { return flow_.isBusy() || !writing_.empty(); }
+  void makeOutput(const OutputJob& job, const std::shared_ptr<Running>& running);
+  std::string pathOf(const OutputJob& job) const;
+  std::string writeDataFile(const OutputJob& job, const std::shared_ptr<Running>& running);
+  std::string writePicture(const OutputJob& job, const std::shared_ptr<Running>& running);
+  void publish(const OutputJob& job);
+  void unpublish(bool all);
+  static Asker askerOf(const Running& running);
+  static SceneCache::GivenData givenTo(Visualization& visualization, const std::vector<ShownItem>& items,
+                                       const std::map<std::string, glm::dvec4>& colors);
+
   // graph_events.cpp: what it tells
   nlohmann::json nodesJson() const;
   nlohmann::json stateJson(const flow::NodeId& node) const;
+  void addOutcome(const std::string& output, nlohmann::json& state) const;
   void tellNode(const flow::NodeId& node);
   void send(const nlohmann::json& event);
   void sendPresent();
@@ -203,7 +245,10 @@ class Graph : public std::enable_shared_from_this<Graph> {
   uint64_t serial_ = 0, nextWindow_ = 1;
   std::map<std::string, std::map<uint64_t, std::function<void()>>> windows_;  ///< by view
   std::map<std::string, Shown> shown_;                                        ///< by view
-  std::map<uint64_t, Watcher> watchers_;                                      ///< by session
+  std::map<std::string, std::shared_ptr<Running>> writing_;                   ///< outputs that are being made
+  std::map<std::string, Written> written_;      ///< outputs that were made, or could not be
+  std::map<std::string, Published> published_;  ///< by output
+  std::map<uint64_t, Watcher> watchers_;        ///< by session
   std::map<flow::NodeId, Told> told_;
 };
 

@@ -12,22 +12,12 @@ namespace gxy {
 
 using nlohmann::json;
 
-namespace {
-
-/// Why something failed, and on which rank, as messages of several ranks begin with it.
-struct Failure {
-  std::string text;
-  int rank = -1;
-};
-
-Failure failureOf(const std::string& text) {
+Graph::Failure Graph::failureOf(const std::string& text) {
   int rank = 0, size = 0;
   if (std::sscanf(text.c_str(), "rank %d: %n", &rank, &size) == 1 && size > 0)
     return {text.substr(size_t(size)), rank};
   return {text};
 }
-
-}  // namespace
 
 // Functions here are called with the lock held, but for adopt(), fetch(), evaluate(), giveUpOldest() and dropUnused(), which wait.
 
@@ -354,19 +344,18 @@ void Graph::carryOut(const flow::DropOutput& action) {
   outputs_.erase(action.key);
 }
 
-void Graph::carryOut(const flow::ShowData& action) {
-  if (action.target.kind != flow::TargetId::Kind::View) return;
-  Shown& shown = shown_[action.target.name];
+std::vector<Graph::ShownItem> Graph::itemsOf(const flow::ShowData& action,
+                                             const std::vector<ShownItem>& known) const {
   std::vector<ShownItem> items;
   for (const flow::ShownData& data : action.data) {
-    const auto known = std::find_if(shown.items.begin(), shown.items.end(), [&](const ShownItem& item) {
+    const auto before = std::find_if(known.begin(), known.end(), [&](const ShownItem& item) {
       return item.node == data.node && item.data == data.data;
     });
     std::shared_ptr<const KeptData> kept;
     if (const auto* id = std::get_if<flow::SourceGeneration>(&data.data)) {
       kept = keptSource(*id);
-    } else if (known != shown.items.end()) {
-      kept = known->kept;
+    } else if (before != known.end()) {
+      kept = before->kept;
     } else if (const auto found = outputs_.find(std::get<flow::NodeKey>(data.data));
                found != outputs_.end() && found->second->object) {
       const GraphOutput& output = *found->second;
@@ -377,7 +366,14 @@ void Graph::carryOut(const flow::ShowData& action) {
     }
     if (kept) items.push_back({data.node, data.data, std::move(kept)});
   }
-  shown.items = std::move(items);
+  return items;
+}
+
+void Graph::carryOut(const flow::ShowData& action) {
+  if (action.target.kind == flow::TargetId::Kind::Output) return carryOut(action, itemsOf(action, {}));
+  if (action.target.kind != flow::TargetId::Kind::View) return;
+  Shown& shown = shown_[action.target.name];
+  shown.items = itemsOf(action, shown.items);
   shown.isHeld = false;
   shown.text.clear();
   for (const flow::Problem& problem : action.problems)
@@ -386,6 +382,7 @@ void Graph::carryOut(const flow::ShowData& action) {
 }
 
 void Graph::carryOut(const flow::HoldPicture& action) {
+  if (action.target.kind == flow::TargetId::Kind::Output) return stopOutput(action.target.name);
   if (action.target.kind != flow::TargetId::Kind::View) return;
   Shown& shown = shown_[action.target.name];
   shown.items.clear();

@@ -297,18 +297,24 @@ class DocumentReading {
     return out;
   }
 
-  // Nothing is made of them so far, so nothing is evaluated for them.
   void readOutputs() {
     const json& all = section("Outputs");
-    for (size_t i = 0; i < all.size(); i++)
-      attempt(pathOf("Outputs", i, all[i]), [&] {
+    for (size_t i = 0; i < all.size(); i++) {
+      const std::string path = pathOf("Outputs", i, all[i]);
+      attempt(path, [&] {
         expectObject(all[i]);
-        const std::string type = text(all[i], "type", "");
-        const std::string name = text(all[i], "name", type + " " + std::to_string(i));
-        if (type.empty()) throw Error("`type` is missing, expected what is to be made");
-        if (!out_.outputs.emplace(name, type).second)
+        StateFile read = readState_(protocol::dump(json{{"Outputs", json::array({all[i]})}}), path);
+        for (const std::string& w : read.warnings)
+          out_.warnings.push_back(path + ": " + withoutPlace(w, path));
+        const OutputSpec& output = read.state.outputs.at(0);
+        if (output.type == OutputSpec::Type::Publish) checkDatasetName(output.to);
+        if (output.type == OutputSpec::Type::Pictures && places_.contains(output.of))
+          throw Error("`of`: expected a view, found " + inQuotes(output.of) + ", which is a dataset");
+        if (!out_.outputs.emplace(output.name, output).second)
           throw Error("there are two of this name, expected each name once");
+        out_.flow.outputs.push_back({output.name, output.of});
       });
+    }
   }
 
   const std::string& graph_;

@@ -28,9 +28,9 @@ struct GraphDocument {
   nlohmann::json json = nlohmann::json::object();
   flow::Document flow;
   RenderSettings settings;
-  std::map<std::string, ViewLook> looks;       ///< by view
-  std::map<std::string, std::string> outputs;  ///< the type of each of `Outputs`, by name
-  std::vector<std::string> warnings;           ///< of keys that mean nothing
+  std::map<std::string, ViewLook> looks;      ///< by view
+  std::map<std::string, OutputSpec> outputs;  ///< by name
+  std::vector<std::string> warnings;          ///< of keys that mean nothing
 
   const DatasetSpec* dataset(const std::string& name) const;
 };

@@ -50,11 +50,24 @@ json Graph::stateJson(const NodeId& node) const {
     if (const auto found = outputs_.find(*state.output);
         found != outputs_.end() && !found->second->told.empty())
       out["told"] = found->second->told;
+  if (node.kind == NodeId::Kind::Output) addOutcome(node.name, out);
   if (node.kind != NodeId::Kind::View) return out;
   const auto look = document_.looks.find(node.name);
   if (look != document_.looks.end() && !look->second.missing.empty())
     out.update({{"state", "incomplete"}, {"text", look->second.missing}});
   return out;
+}
+
+/// Adds what is known of the making of an output.
+void Graph::addOutcome(const std::string& output, json& state) const {
+  const auto known = written_.find(output);
+  if (writing_.contains(output)) {
+    state["state"] = nameOf(NodeState::Kind::Running);
+  } else if (known != written_.end() && !known->second.error.empty()) {
+    state.update({{"state", nameOf(NodeState::Kind::Failed)}, {"text", known->second.error}});
+    if (known->second.rank >= 0) state["rank"] = known->second.rank;
+  }
+  if (known != written_.end() && !known->second.file.empty()) state["file"] = known->second.file;
 }
 
 json Graph::nodesJson() const {
@@ -63,12 +76,8 @@ json Graph::nodesJson() const {
     nodes.push_back(stateJson({NodeId::Kind::Dataset, d.name}));
   for (const flow::ViewSpec& v : document_.flow.views)
     nodes.push_back(stateJson({NodeId::Kind::View, v.name}));
-  for (const auto& [name, type] : document_.outputs)
-    nodes.push_back({{"node", name},
-                     {"kind", "output"},
-                     {"state", "blocked"},
-                     {"by", name},
-                     {"text", "this server makes nothing of outputs of type " + inQuotes(type)}});
+  for (const auto& [name, output] : document_.outputs)
+    nodes.push_back(stateJson({NodeId::Kind::Output, name}));
   return nodes;
 }
 

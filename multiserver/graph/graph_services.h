@@ -14,6 +14,8 @@
 
 namespace gxy {
 
+struct Rendering;
+
 /// What a filter has made for graphs. Immutable.
 struct GraphOutput {
   flow::Made made;
@@ -55,6 +57,7 @@ class GraphOutputs {
 
 struct GraphServices {
   ServerRank& serverRank;
+  std::shared_ptr<Rendering> rendering;
   GraphOutputs outputs;
   std::function<void()> wake;  ///< has Graph::tick() called soon, until it returns false; any thread
 };

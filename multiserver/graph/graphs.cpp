@@ -7,6 +7,7 @@
 #include "core/comm/error_text.h"
 #include "core/space/publication.h"
 #include "multiserver/protocol/json.h"
+#include "multiserver/rendering/rendering.h"
 
 namespace gxy {
 
@@ -25,6 +26,7 @@ json adoptHere(ServerRank& serverRank, const json& p) {
     adopted->file = from->file;
     adopted->array = from->array;
     adopted->radiusArray = from->radiusArray;
+    adopted->fields = from->fields;
     adopted->stream = from->stream;
     adopted->color = from->color;
     adopted->partitioning = from->partitioning;
@@ -52,7 +54,8 @@ void checkGraphName(const std::string& name) {
                 ": expected a name of 1 to 100 bytes without control characters and /");
 }
 
-Graphs::Graphs(Registration& registration) : services_{registration.serverRank(), {}, [this] { wake(); }} {
+Graphs::Graphs(Registration& registration)
+    : services_{registration.serverRank(), renderingOf(registration), {}, [this] { wake(); }} {
   ServerRank& serverRank = registration.serverRank();
   registration.work(
       "graph.adopt", [&serverRank](const Work::Call& call) { return adoptHere(serverRank, call.parameters); },

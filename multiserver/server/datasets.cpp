@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/analysis/made_geometry.h"
 #include "core/comm/error.h"
 #include "core/scene/json_text.h"
 #include "multiserver/protocol/json.h"
@@ -114,7 +115,10 @@ json Datasets::infoHere(const json& parameters) const {
   if (!std::isnan(d->time)) result["time"] = d->time;
   if (!d->provenance.filter.empty()) result["provenance"] = described(d->provenance);
   if (d->volume) result["points"] = d->volume->grid.points;
-  if (d->geometry) result["primitives"] = d->geometry->primitives;
+  if (d->geometry) {
+    result["primitives"] = d->geometry->primitives;
+    if (!d->geometry->fields.empty()) result["fields"] = toldOf(d->geometry->fields);
+  }
   return result;
 }
 

@@ -54,6 +54,7 @@ json specToJson(const DatasetSpec& d) {
           {"file", d.filename},
           {"array", d.array},
           {"radius array", d.radiusArray},
+          {"fields", d.fields},
           {"color", {d.color.r, d.color.g, d.color.b, d.color.a}}};
 }
 
@@ -119,6 +120,7 @@ class ImportPart {
         d.file = serverRank_.folders.dataToRead(s.at("file").get<std::string>());
         d.array = s.at("array").get<std::string>();
         d.radiusArray = s.at("radius array").get<std::string>();
+        d.fields = s.at("fields").get<std::vector<std::string>>();
         d.origins = {{items[i].key.value, int64_t(items[i].generation)}};
         for (int c = 0; c < 4; c++) d.color[c] = s.at("color").at(size_t(c)).get<double>();
       }
@@ -178,6 +180,7 @@ class ImportPart {
     std::vector<LedgerEntry> reading;  // until it is known what is kept
     ValuesWanted wanted(d.array);
     wanted.radii = d.radiusArray;
+    wanted.fields = d.fields;
     one.loaded = loadGeometry(
         d.file, kindOf(one.type), wanted, ranks_,
         [&](int64_t bytes) { reading.push_back(serverRank_.takeMemory(tenant_, "geometry", bytes)); },

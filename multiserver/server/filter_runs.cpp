@@ -141,8 +141,8 @@ json describedFilter(const FilterSchema& filter) {
   for (const FilterPort& port : filter.inputs)
     inputs.push_back({{"name", port.name},
                       {"takes", namesOf(port.types)},
-                      {"optional", port.count == FilterPort::Count::Optional},
-                      {"many", port.count == FilterPort::Count::Many},
+                      {"optional", port.mayLack() && port.count != FilterPort::Count::AnyName},
+                      {"many", port.takesMany()},
                       {"any name", port.count == FilterPort::Count::AnyName},
                       {"help", port.help}});
   for (const KeyInfo& key : filter.properties)

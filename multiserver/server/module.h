@@ -23,7 +23,7 @@ namespace gxy {
 
 /// This number changes with every change of the headers that modules include. A module built for another
 /// number is refused.
-inline constexpr uint32_t kModuleAbi = 11;
+inline constexpr uint32_t kModuleAbi = 12;
 
 /// When a request runs. InTurn: after the earlier requests of its session and before the later ones. Aside:
 /// it starts in its turn, but later requests do not wait for its end; for long work. AtOnce: immediately, on

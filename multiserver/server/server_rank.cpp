@@ -10,6 +10,7 @@
 
 #include "core/analysis/sampler.h"
 #include "core/comm/error.h"
+#include "multiserver/server/data_export.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/filter_runs.h"
 #include "multiserver/server/modules.h"
@@ -85,6 +86,7 @@ ServerRank::ServerRank(Transport& t, ServerRankOptions o, const BackendRegistry&
   datasets->addWorks();
   filterRuns->addWorks();
   modules->addWorks();
+  addExportWork(*this);
   addServerWorks(*this);
 }
 

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "tests/analysis/filter_setup.h"
 #include "tests/support/seeds.h"
@@ -25,6 +28,20 @@ MadePoints drawn(const WholeVolume& whole, const Cut& cut, const std::string& pr
       cut,
       [&](Collectives& ranks) {
         return FilterRun::Inputs{{"field", {{"field", {}, 1, datasetOf(whole, cut, ranks.rank())}}}};
+      },
+      properties);
+}
+
+/// The same with further volumes, by name.
+MadePoints drawnWith(const WholeVolume& field, const std::map<std::string, const WholeVolume*>& values,
+                     const Cut& cut, const std::string& properties) {
+  return made<DensitySampler>(
+      cut,
+      [&](Collectives& ranks) {
+        FilterRun::Inputs inputs{{"field", {{"field", {}, 1, datasetOf(field, cut, ranks.rank())}}}};
+        for (const auto& [name, volume] : values)
+          inputs["values"].push_back({name, {}, 1, datasetOf(*volume, cut, ranks.rank())});
+        return inputs;
       },
       properties);
 }
@@ -58,6 +75,28 @@ TEST(DensitySampler, FollowsAFieldByKolmogorovAndSmirnov) {
   EXPECT_GT(kolmogorovSmirnov(along(made, 0), [](double x) { return x; }), 20 * kBound)
       << "the test can fail";
   for (const auto& [id, p] : made.points) ASSERT_NEAR(p.value, p.point.x, 1e-6) << "the value of the field";
+}
+
+TEST(DensitySampler, RecordsFurtherFieldsAndTheGradientOnAnyRanks) {
+  const auto product = [](glm::dvec3 p) { return 1 + p.x * p.y; };
+  const WholeVolume field = sampled(unitCube(8), product);
+  const WholeVolume other = sampled(unitCube(5), [](glm::dvec3 p) { return 7 - p.z; });
+  const std::string properties = R"({"count": 2000, "gradient": true})";
+  const auto on = [&](const Cut& cut) { return drawnWith(field, {{"other", &other}}, cut, properties); };
+  const MadePoints all = on(whole(field.grid.box()));
+  ASSERT_EQ(all.points.size(), 2000u) << all.error;
+  for (const auto& [id, p] : all.points) {
+    const std::vector<double> expected{7 - p.point.z, p.point.y, p.point.x, 0};
+    ASSERT_NEAR(p.value, product(p.point), 1e-6);
+    for (size_t c = 0; c < 4; c++) ASSERT_NEAR(all.fields.at(id).at(c), expected[c], 1e-5) << c;
+  }
+  EXPECT_EQ(all.told.at("fields").at(0).at("name"), "field");
+  EXPECT_EQ(all.told.at("fields").at(2).at("name"), "gradient");
+  for (const Cut& cut : manyCuts(field.grid.box(), 2)) {
+    const MadePoints again = on(cut);
+    EXPECT_EQ(again.points, all.points) << cut.name;
+    EXPECT_EQ(again.fields, all.fields) << cut.name;
+  }
 }
 
 TEST(DensitySampler, FollowsAMapWithASpikeNarrowerThanACell) {

@@ -2,6 +2,7 @@
 // The filters Derive and Statistics: what they tell, and what they refuse.
 #include "core/analysis/derive_filter.h"
 
+#include "core/analysis/number_filter.h"
 #include "core/analysis/seeds_filter.h"
 #include "core/analysis/statistics_filter.h"
 #include "core/comm/error.h"
@@ -67,6 +68,23 @@ TEST(DeriveFilter, AWrongExpressionIsAnErrorOfTheEntryWithItsPosition) {
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("s:2:16: `expression`: "), std::string::npos) << e.what();
   }
+}
+
+TEST(NumberFilter, TellsANumberOrWhetherAConditionHolds) {
+  const auto value = [](const std::string& expression) {
+    const auto [told, error] =
+        test::told<NumberFilter>({{"a", kRamp}, {"b", kRamp}}, R"({"expression": ")" + expression + "\"}");
+    EXPECT_EQ(error, "") << expression;
+    return told.value("value", nlohmann::json("none"));
+  };
+  EXPECT_EQ(value("max(a) - min(b) + 0.5"), 4.5);
+  EXPECT_EQ(value("max(a) > 3 and mean(b) < 3"), true);
+  EXPECT_EQ(value("max(a) > 4"), false);
+  EXPECT_EQ(value("max(1 / (a - a)) > 4"), nullptr);
+  EXPECT_EQ(value("max(1 / (a - a))"), nullptr);
+  EXPECT_NE(test::told<NumberFilter>({{"a", kRamp}}, R"({"expression": "a > 3"})").second, "");
+  EXPECT_NE(test::told<NumberFilter>({}, R"({"expression": "1"})").second.find("Number: there is no input"),
+            std::string::npos);
 }
 
 TEST(StatisticsFilter, TellsNumbersOfAFieldEverywhereOrWhereAConditionHolds) {

@@ -53,9 +53,10 @@ struct MadePoint {
 
 /// What a filter has made on all ranks.
 struct MadePoints {
-  std::map<uint64_t, MadePoint> points;  ///< by id
-  nlohmann::json told;                   ///< on rank 0
-  std::string error;                     ///< of rank 0; the others had one if this is not empty
+  std::map<uint64_t, MadePoint> points;           ///< by id
+  std::map<uint64_t, std::vector<float>> fields;  ///< all components of all further fields
+  nlohmann::json told;                            ///< on rank 0
+  std::string error;                              ///< of rank 0; the others had one if this is not empty
 };
 
 /// Runs `filter` on all ranks of `cut`. `inputsOf` returns the inputs on a rank.
@@ -74,6 +75,9 @@ MadePoints made(const Cut& cut, const InputsOf& inputsOf, const std::string& pro
           all.points
               .emplace(block.ids[i], MadePoint{block.points[i], block.values.empty() ? 0 : block.values[i]})
               .second);
+    for (size_t i = 0; i < block.ids.size() && !block.fields.empty(); i++)
+      for (const PointField& f : block.fields)
+        for (int c = 0; c < f.components; c++) all.fields[block.ids[i]].push_back(fieldValue(f, c, i));
     if (ranks.rank() == 0) all.told = result.told;
   });
   all.error = errors[0];

@@ -2,8 +2,11 @@
 // Points on isosurfaces, from the filter IsosurfaceSampler.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <cstring>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -61,6 +64,61 @@ TEST(IsosurfaceSampler, MakesTheSamePointsOnAnyRanksPartitionsThreadsAndPackets)
     run.options.packetRays = packet;
     packet = packet * 5 / 2;
     EXPECT_EQ(evaluated(cut, run), expected) << cut.name;
+  }
+}
+
+/// A volume with three components.
+WholeVolume ofThree(const Grid& grid, const std::function<glm::dvec3(glm::dvec3)>& field) {
+  std::array<WholeVolume, 3> parts;
+  for (int c = 0; c < 3; c++) parts[size_t(c)] = sampled(grid, [&](glm::dvec3 p) { return field(p)[c]; });
+  WholeVolume whole = parts[0];
+  whole.components = 3;
+  const size_t n = whole.samples.size() / sizeof(float);
+  whole.samples.resize(3 * n * sizeof(float));
+  for (size_t i = 0; i < n; i++)
+    for (size_t c = 0; c < 3; c++)
+      std::memcpy(&whole.samples[(3 * i + c) * sizeof(float)], &parts[c].samples[i * sizeof(float)],
+                  sizeof(float));
+  return whole;
+}
+
+TEST(IsosurfaceSampler, RecordsSeveralFieldsAndTheGradientOnAnyRanks) {
+  const WholeVolume field = sampled(unitGrid(17), [](glm::dvec3 p) { return p.x + 2 * p.y - p.z; });
+  const WholeVolume vectors = ofThree(unitGrid(9), [](glm::dvec3 p) { return glm::dvec3(p.y, -p.x, 3); });
+  const WholeVolume height = sampled(unitGrid(5), [](glm::dvec3 p) { return 5 * p.z; });
+  const auto evaluated = [&](const Cut& cut) {
+    return evaluateOn<IsosurfaceSampler>(cut, {{}, {{"field", {&field}}, {"values", {&vectors, &height}}}},
+                                         R"({"isovalue":1,"count":500,"gradient":true})");
+  };
+  const SampledPoints all = evaluated(whole(unitCube()));
+  ASSERT_EQ(all.points.size(), 500u);
+  EXPECT_EQ(all.names, (std::vector<std::string>{"mag(values)", "values", "values 2", "gradient"}));
+  EXPECT_EQ(all.told.at("fields").size(), 4u);
+  EXPECT_EQ(all.told.at("fields").at(1).at("components"), 3);
+  EXPECT_GE(all.told.at("fields").at(2).at("range").at(0), 0);
+  for (const auto& [id, point] : all.points) {
+    const glm::dvec3 p = point.first;
+    const std::vector<double> expected{p.y, -p.x, 3, 5 * p.z, 1, 2, -1};
+    ASSERT_EQ(all.fields.at(id).size(), expected.size());
+    for (size_t c = 0; c < expected.size(); c++) ASSERT_NEAR(all.fields.at(id)[c], expected[c], 2e-5) << c;
+    ASSERT_NEAR(point.second, std::sqrt(p.x * p.x + p.y * p.y + 9), 3e-3);
+  }
+  for (const Cut& cut : {lattice(unitCube(), {4, 4, 4}, 3), kdCut(unitCube(), 13, 4, 2)})
+    EXPECT_EQ(evaluated(cut), all) << cut.name;
+}
+
+TEST(IsosurfaceSampler, RefusesMoreComponentsThanASamplingHas) {
+  const WholeVolume field = sphereField(9);
+  const WholeVolume vectors = ofThree(unitGrid(5), [](glm::dvec3 p) { return p; });
+  try {
+    evaluateOn<IsosurfaceSampler>(
+        whole(unitCube()),
+        {{}, {{"field", {&field}}, {"values", std::vector<const WholeVolume*>(6, &vectors)}}},
+        R"({"isovalue":0.09})");
+    FAIL() << "expected an error";
+  } catch (const Error& e) {
+    EXPECT_STREQ(e.what(),
+                 "IsosurfaceSampler: 19 components of fields are to be recorded, expected at most 16");
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/comm/error.h"
 #include "core/comm/random.h"
 #include "core/data/geometry.h"
 #include "tests/analysis/rank_flows.h"
@@ -96,11 +97,12 @@ GeometryBlock plainLines(const PathPoints& points) {
   return subset(block, GeometryKind::PathLines, left);
 }
 
-MadeLines madeOn(std::vector<TracedLines> spread, GeometryBlock& all) {
+MadeLines madeOn(std::vector<TracedLines> spread, GeometryBlock& all,
+                 const std::vector<NamedLineValue>& fields = {}) {
   std::vector<MadeLines> made(spread.size());
   const auto errors = ThreadRanks(int(spread.size())).run([&](Collectives& ranks) {
     const auto r = size_t(ranks.rank());
-    made[r] = makeLines(std::move(spread[r]), {LineValue::Kind::Recorded, 0}, noLedger, ranks);
+    made[r] = makeLines(std::move(spread[r]), {LineValue::Kind::Recorded, 0}, noLedger, ranks, fields);
   });
   for (const std::string& error : errors) EXPECT_EQ(error, "");
   std::vector<GeometryBlock> blocks;
@@ -132,6 +134,45 @@ TEST(PathLines, AreThoseOfOneRankHoweverPointsAreSpread) {
       ASSERT_EQ(made.points, lines + all.ids.size());
     }
   }
+}
+
+TEST(PathLines, HaveFieldsThatAreThoseOfOneRankHoweverPointsAreSpread) {
+  for (uint64_t seed = 1; seed <= uint64_t(seeds(100)); seed++) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    PathPoints points = randomLines(seed);
+    points.sort();
+    const std::vector<NamedLineValue> fields{{"time", {LineValue::Kind::Time, 0}},
+                                             {"length", {LineValue::Kind::Length, 0}}};
+    GeometryBlock expected;
+    const MadeLines one = madeOn(spread(points, 1, seed), expected, fields);
+    for (size_t i = 0; i < expected.points.size(); i++)
+      ASSERT_EQ(expected.fields.at(1).values.at(i), 2 * expected.fields.at(0).values.at(i));
+    for (const int ranks : {2, 5}) {
+      GeometryBlock all;
+      const MadeLines made = madeOn(spread(points, ranks, seed), all, fields);
+      ASSERT_TRUE(bytesIn(all) == bytesIn(expected)) << ranks << " ranks";
+      ASSERT_EQ(made.points, one.points);
+    }
+  }
+}
+
+TEST(PathLines, KeepAPointAtTheSamePlaceWhereAFieldChanges) {
+  PathPoints points;
+  points.append(
+      {{5, 5, 5}, {0, 1, 2}, {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}, {0, 2, 4}, {0, 3, 3}, {7, 7, 7}, {}});
+  for (const bool timed : {false, true}) {
+    TracedLines traced;
+    traced.points.push_back(points);
+    SingleRank one;
+    std::vector<NamedLineValue> fields{{"length", {LineValue::Kind::Length, 0}}};
+    if (timed) fields.push_back({"time", {LineValue::Kind::Time, 0}});
+    EXPECT_EQ(makeLines(std::move(traced), {}, noLedger, one, fields).points, timed ? 3u : 2u);
+  }
+}
+
+TEST(PathLines, RefuseMoreFieldsThanAreKept) {
+  SingleRank one;
+  EXPECT_THROW(makeLines({}, {}, noLedger, one, std::vector<NamedLineValue>(4)), Error);
 }
 
 TEST(PathLines, HaveTheValueThatIsAskedFor) {

@@ -38,6 +38,21 @@ TEST(RaySampler, TakesHitsWhereConditionsHold) {
   EXPECT_EQ(rayPoints(properties, kdCut(unitCube(), 11, 3, 4)), all);
 }
 
+TEST(RaySampler, RecordsSeveralFieldsByTheNamesOfItsInputs) {
+  const std::string properties = R"({"operators":[{"dataset":"x","isovalues":[0.25,0.5],"hits":9,
+    "conditions":[{"field":"y","range":[0.5,1]}]}],"lines":500,"values":["x","y"],"gradient":true})";
+  const SampledPoints all = rayPoints(properties);
+  EXPECT_EQ(all.names, (std::vector<std::string>{"x", "y", "gradient"}));
+  EXPECT_GT(all.points.size(), 50u);
+  for (const auto& [id, point] : all.points) {
+    const glm::dvec3 p = point.first;
+    EXPECT_NEAR(point.second, p.x, 1e-6);
+    const std::vector<double> expected{p.y, 1, 0, 0};
+    for (size_t c = 0; c < 4; c++) EXPECT_NEAR(all.fields.at(id).at(c), expected[c], 2e-5);
+  }
+  EXPECT_EQ(rayPoints(properties, kdCut(unitCube(), 11, 3, 4)), all);
+}
+
 TEST(RaySampler, SendsRaysOfACameraAndOfADocument) {
   const SampledPoints camera = rayPoints(R"({"operators":[{"dataset":"x","planes":[[0,0,1,0.5]]}],
     "camera":{"viewpoint":[0.5,0.5,3],"viewdirection":[0,0,-1],"viewup":[0,1,0],"aov":0,"height":2,"dimensions":[40,40]}})");

@@ -15,6 +15,8 @@ namespace gxy::test {
 /// Particles by id, with their values, and what rank 0 has told.
 struct SampledPoints {
   std::map<uint64_t, std::pair<glm::dvec3, float>> points;
+  std::map<uint64_t, std::vector<float>> fields;  ///< all components of all further fields
+  std::vector<std::string> names;                 ///< of the values and the fields
   nlohmann::json told;
   bool operator==(const SampledPoints&) const = default;
 };
@@ -77,11 +79,13 @@ std::vector<std::string> evaluateOn(const Cut& cut, const Evaluation& evaluation
     CheckedRanks ranks(all, evaluation.check);
     FilterRun::Inputs inputs;
     for (const auto& [name, list] : parts)
-      for (const auto& ofRanks : list) {
+      for (size_t i = 0; i < list.size(); i++) {
+        const auto& ofRanks = list[i];
         auto dataset = std::make_shared<Dataset>();
         dataset->partitioning = partitioning;
         dataset->volume = ofRanks[size_t(rank)];
-        inputs[name].push_back({name, {}, 1, std::move(dataset)});
+        inputs[name].push_back(
+            {i == 0 ? name : name + " " + std::to_string(i + 1), {}, 1, std::move(dataset)});
       }
     for (const auto& [name, whole] : evaluation.geometry) {
       auto dataset = std::make_shared<Dataset>();
@@ -98,7 +102,14 @@ std::vector<std::string> evaluateOn(const Cut& cut, const Evaluation& evaluation
     const FilterResult made = evaluate(*makeFilter<Filter>(), run, properties);
     const GeometryBlock& block = made.dataset->geometry->block;
     const std::lock_guard lock(mutex);
-    if (rank == 0) result.told = made.told;
+    if (rank == 0) {
+      result.told = made.told;
+      result.names = {made.dataset->geometry->array};
+      for (const PointFieldInfo& f : made.dataset->geometry->fields) result.names.push_back(f.name);
+    }
+    for (size_t i = 0; i < block.ids.size(); i++)
+      for (const PointField& f : block.fields)
+        for (int c = 0; c < f.components; c++) result.fields[block.ids[i]].push_back(fieldValue(f, c, i));
     for (size_t i = 0; i < block.ids.size(); i++)
       if (!result.points
                .emplace(block.ids[i],

@@ -195,6 +195,27 @@ class Data(unittest.TestCase):
             self.assertEqual(told[0], ("added", "mine", "private"))
             self.assertIn(("renamed", "mine", "shared"), told)
 
+    def test_arrays_of_datasets_are_fetched(self):
+        with connect() as client:
+            client.request("load data")
+            client.request('import {"Datasets": [{"name": "balls", "type": "Volume", "filename": "balls.vti", "array": "oneBall"}]}')
+            volume = client.fetch("balls")
+            (name, values), = volume["fields"].items()
+            self.assertEqual((name, values.shape, volume["dimensions"]), ("oneBall", (24, 24, 24), [24, 24, 24]))
+            known = client.request("range balls")["range"]
+            np.testing.assert_allclose([values.min(), values.max()], known, rtol=1e-6)
+            client.request("load analysis")
+            client.request('make {"name": "seeds", "filter": "Seeds", "inputs": {"domain": "balls"}, "dimensions": [2, 3, 4]}')
+            seeds = client.fetch("seeds")
+            self.assertEqual((seeds["type"], seeds["primitives"], seeds["fields"]), ("Particles", 24, {}))
+            x = volume["origin"][0] + volume["spacing"][0] * 23 * np.array([0.25, 0.75])
+            np.testing.assert_allclose(np.unique(seeds["structure"]["points"][:, 0]), x, atol=1e-12)
+            np.testing.assert_array_equal(seeds["structure"]["ids"], np.arange(24))
+            with self.assertRaisesRegex(galaxy.GalaxyError, "nothing"):
+                client.fetch("nothing")
+            for made in ("seeds", "balls"):
+                client.request(f"drop {made}")
+
     def test_files_outside_the_data_folders_cannot_be_reached(self):
         with connect() as client:
             client.request("load data")

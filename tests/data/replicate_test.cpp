@@ -25,10 +25,11 @@ Box domainBox() {
 double radiusOf(double value) { return 0.002 * value; }
 
 /// Random primitives, some outside the domain, some with a coordinate on a face; lines and meshes share
-/// points. Meshes have colours, the others values.
+/// points. Meshes have colours, the others values. All have two fields besides.
 GeometryBlock randomGeometry(std::mt19937& random, GeometryKind kind, const Partitioning& p,
                              uint32_t points) {
   GeometryBlock block;
+  block.fields = {{"pair", 2, {}}, {"one", 1, {}}};
   const Box& d = p.domain();
   for (uint32_t i = 0; i < points; ++i) {
     glm::dvec3 x;
@@ -49,6 +50,8 @@ GeometryBlock randomGeometry(std::mt19937& random, GeometryKind kind, const Part
     }
     block.points.push_back(x);
     block.normals.push_back({0, 0, float(i % 7)});
+    for (PointField& f : block.fields)
+      for (int c = 0; c < f.components; c++) f.values.push_back(float(random() % 20));
     if (kind == GeometryKind::Triangles)
       block.colors.push_back({float(random() % 30) / 29, float(random() % 2), 0.5f});
     else

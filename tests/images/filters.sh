@@ -23,11 +23,22 @@ check() {  # check NAME COMMAND...: the command succeeds
 }
 
 "$gxydata" radial -r 24 radial.vti >/dev/null
+# Files of a volume, of points and of lines, beside the picture.
+outputs='"Outputs": [{"type": "Data file", "of": "gradient", "to": "NAME_gradient.vti"},
+  {"type": "Data file", "of": "seeds", "to": "NAME_seeds.vtp"}, {"type": "Data file", "of": "lines", "to": "NAME_lines.vtu"}],'
 sed 's/"rays per pixel": 4/"rays per pixel": 1/' "$state" >state.json
+with_outputs() { { echo "{"; echo "${outputs//NAME/$1}"; tail -n +2 state.json; } >"$1.json"; }
+same_files() { for file in gradient.vti seeds.vtp lines.vtu; do cmp "one_$file" "$1_$file" || return 1; done; }
 render() { "$gxyrender" state.json --size 160x120 --threads 1 -q "$@"; }
 check OneRank render -o one
+with_outputs one
+check OneRankWritesFiles "$gxyrender" one.json --size 16x12 --threads 1 -q -o files
 for ranks in 2 4; do
   check "OnRanks$ranks" "${mpiexec[@]}" -n "$ranks" "$gxyrender" state.json --size 160x120 --threads 1 -q -o "ranks$ranks"
+  with_outputs "ranks$ranks"
+  check "FilesOnRanks$ranks" "${mpiexec[@]}" -n "$ranks" "$gxyrender" "ranks$ranks.json" --size 16x12 --threads 1 -q \
+    --partitions 3,2,2 -o files
+  check "RanksDoNotMatterToFiles$ranks" same_files "ranks$ranks"
   check "RanksDoNotMatter$ranks" cmp one_00000.png "ranks${ranks}_00000.png"
 done
 check InPartitions "${mpiexec[@]}" -n 3 "$gxyrender" state.json --size 160x120 --threads 1 -q --partitions 3,2,2 -o parts
@@ -42,7 +53,10 @@ for _ in $(seq 300); do [[ -s port ]] && break; sleep 0.1; done
 sized=$(sed 's/"dimensions": \[480, 360\]/"dimensions": [160, 120]/' state.json)
 check AServerMakesThem "$msclient" -P "$(cat port)" -m viewer -c "batch {\"state\": $sized, \"prefix\": \"served\"}" >reply.txt
 check AServerRendersTheSame cmp one_00000.png served_00000.png
+with_outputs served
+check AGraphWritesFiles "$msclient" -P "$(cat port)" -m graph -c "graph.new g $(sed 's/"annotation": "[^"]*",//' served.json)" -c "graph.wait g" >graph.txt
+check AServerWritesTheSame same_files served
 "$msclient" -P "$(cat port)" -c quit >/dev/null 2>&1
 wait "$server"
 server=
-((failures == 0)) || { cat reply.txt server.log; exit 1; }
+((failures == 0)) || { cat reply.txt graph.txt server.log; exit 1; }

@@ -119,6 +119,47 @@ TEST(Export, FilesHaveThePrimitivesAndTheirValues) {
   compare(triangles, GeometryKind::Triangles, "Triangles", {".vtp", ".vtu"});
 }
 
+TEST(Export, FilesHaveAllFieldsOfPoints) {
+  GeometryBlock points;
+  points.fields = {{"velocity", 3, {}}, {"age", 1, {}}};
+  for (int i = 0; i < 40; i++) {
+    points.points.push_back({0.1 * i, i * i % 7 / 3.0, i % 5});
+    points.values.push_back(float(i) / 3);
+    points.fields[0].values.insert(points.fields[0].values.end(), {float(i), -1, 0.5F});
+    points.fields[1].values.push_back(float(-i));
+    points.ids.push_back(uint64_t(i));
+  }
+  ExportServer server(3);
+  writeGeometry(server.path("in.vtp"), points, GeometryKind::Particles, "how much");
+  const auto import = [&](const std::string& name, const std::string& file) {
+    const json entry{{"name", name},
+                     {"filename", file},
+                     {"type", "Particles"},
+                     {"array", "how much"},
+                     {"fields", {"velocity", "age"}}};
+    server.client->expect("import new " + json{{"Datasets", {entry}}}.dump());
+  };
+  import("in", "in.vtp");
+  EXPECT_EQ(gathered(server, "in"), points);
+  const json info = server.client->expect("info in").at("datasets").at(0);
+  EXPECT_EQ(info.at("fields").at(1), (json{{"name", "age"}, {"components", 1}, {"range", {-39.0, 0.0}}}));
+  EXPECT_EQ(info.at("fields").at(0).at("components"), 3);
+  for (const std::string extension : {".vtp", ".vtu", ".csv"}) {
+    server.client->expect("export in out" + extension);
+    import("out", "out" + extension);
+    EXPECT_EQ(gathered(server, "out"), points) << extension;
+  }
+  const std::string error =
+      server.client
+          ->request(
+              "import new " +
+              json{{"Datasets",
+                    {{{"name", "bad"}, {"filename", "in.vtp"}, {"type", "Particles"}, {"fields", "speed"}}}}}
+                  .dump())
+          .error;
+  EXPECT_NE(error.find("no array 'speed' of points for `fields`"), std::string::npos) << error;
+}
+
 TEST(Export, WhatCannotBeWrittenIsAnErrorAndLeavesNoFile) {
   ExportServer server(2, 300 << 10);
   writeBall(server.folder().path().string(), "ball", 32);  // 128 KiB, of which a rank has half with its rim

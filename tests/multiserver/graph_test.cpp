@@ -243,10 +243,8 @@ TEST(Graph, WhatIsMissingIsAState) {
   EXPECT_EQ(c.node("v", "view").at("text"), "there is no operator \"look\"");
   json look = view["operators"][0];
   look["name"] = "look";
-  c.edit({{{"add", {"Operators"}}, {"to", look}},
-          {{"add", {"Outputs"}}, {"to", {{"type", "Cinema"}, {"of", "v"}}}}});
+  c.edit({{{"add", {"Operators"}}, {"to", look}}});
   EXPECT_EQ(c.node("v", "view").at("text"), "no window shows it");
-  EXPECT_EQ(c.state("Cinema 0", "output"), "blocked");
 }
 
 TEST(Graph, OperatorsByNameAreLimitedBeforeTheyAreCopied) {

@@ -109,6 +109,43 @@ TEST(Lines, HavePointsAndValuesAsTheirEntrySays) {
   EXPECT_EQ(reply.at("ends"), (json{{"condition", 8}, {"left", 2}, {"outside", 2}}));
 }
 
+TEST(Lines, HaveTheFieldsThatAreAskedForOnAnyNumberOfRanks) {
+  GeometryBlock expected;
+  for (const int ranks : {1, 3}) {
+    LinesServer lines(ranks);
+    const auto client = lines.server->client();
+    lines.prepare(*client);
+    client->expect(make("Derive", "east", {{"f", "ball"}}, {{"expression", "x + 0 * f"}}));
+    const json reply =
+        told(*client, make("StreamTracer", "lines",
+                           {{"vectors", "turn"}, {"seeds", "seeds"}, {"fields", {"east", "turn"}}},
+                           {{"time", 3}, {"fields", {"time", "speed", "length", "vorticity"}}}));
+    ASSERT_EQ(reply.at("fields").size(), 6u);
+    EXPECT_EQ(reply.at("fields").at(0).at("name"), "speed") << "the values";
+    const GeometryBlock all = lines.segments("lines");
+    const auto field = [&](const std::string& name) { return *findField(all.fields, name); };
+    ASSERT_EQ(field("vorticity").components, 3);
+    for (size_t i = 0; i < all.points.size(); i++) {
+      const glm::dvec3 p = all.points[i];
+      EXPECT_NEAR(field("length").values[i], all.values[i] * field("time").values[i], 1e-4);
+      EXPECT_NEAR(field("east").values[i], p.x, 1e-6);
+      EXPECT_NEAR(field("turn").values[3 * i], -p.y, 1e-6);
+      EXPECT_NEAR(fieldValue(field("vorticity"), 2, i), 2, 1e-4);
+      EXPECT_NEAR(fieldValue(field("vorticity"), 0, i), 0, 1e-4);
+    }
+    const json info = client->expect("info lines").at("datasets").at(0);
+    EXPECT_EQ(info.at("fields").size(), 5u);
+    EXPECT_EQ(info.at("fields").at(2).at("name"), "east");
+    if (ranks == 1)
+      expected = all;
+    else
+      EXPECT_TRUE(all == expected);
+    for (const char* name : {"lines", "seeds", "turn", "east", "ball"})
+      client->expect(std::string("drop ") + name);
+    for (int r = 0; r < ranks; r++) EXPECT_EQ(lines.server->serverRank(r).ledger.total("user"), 0);
+  }
+}
+
 TEST(Lines, RefuseWhatCannotBe) {
   LinesServer lines(2);
   const auto client = lines.server->client();

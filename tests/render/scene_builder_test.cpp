@@ -88,6 +88,53 @@ TEST_F(SceneBuilderTest, DistributesGeometryOnceForEachNameAndRadii) {
   EXPECT_EQ(distributions(), 4) << "the scenes that held it have gone";
 }
 
+TEST_F(SceneBuilderTest, ShowsTheFieldThatArrayNames) {
+  const BuiltScene plain = build(source(0.05));
+  auto owned = std::make_shared<OwnedGeometry>(*owned_);
+  owned->array = "own";
+  PointField pair{"pair", 2, {}};
+  for (const float v : owned->block.values) pair.values.insert(pair.values.end(), {3 - v, v});
+  owned->block.fields = {pair};
+  owned->fields = {{"pair", 2, {Range{0, 3}, owned->range, Range{0, 5}}}};
+  const auto show = [&](const std::string& array, std::optional<int> component) {
+    SceneSource scene = source(0.05, "with fields");
+    scene.data[0].geometry->owned = owned;
+    scene.visualization.operators[0].array = array;
+    scene.visualization.operators[0].component = component;
+    return build(scene);
+  };
+  const int before = distributions();
+  const BuiltScene own = show("", {}), second = show("pair", 1), first = show("pair", 0),
+                   all = show("pair", {}), again = show("pair", 1);
+  EXPECT_EQ(distributions() - before, 8) << "each four has a copy while it is distributed";
+  EXPECT_EQ(again.geometry.at(0), second.geometry.at(0));
+  EXPECT_EQ(second.compiled->operators[0].data.geometry->range, owned->range);
+  EXPECT_EQ(all.compiled->operators[0].data.geometry->range, (Range{0, 5}));
+  ASSERT_FALSE(plain.compiled->operators[0].parts.empty());
+  for (const auto& [partition, part] : plain.compiled->operators[0].parts) {
+    const auto of = [p = partition](const BuiltScene& built) -> const GeometryInPartition& {
+      return *built.compiled->operators[0].parts.at(p).geometry;
+    };
+    for (const BuiltScene* same : {&own, &second}) {
+      EXPECT_EQ(of(*same).values, part.geometry->values);
+      EXPECT_EQ(of(*same).points, part.geometry->points) << "radii, too";
+    }
+    ASSERT_EQ(of(first).values.size(), part.geometry->values.size());
+    for (size_t i = 0; i < part.geometry->values.size(); i++)
+      EXPECT_EQ(of(first).values[i], 3 - of(second).values[i]);
+  }
+  try {
+    show("speed", {});
+    FAIL() << "expected an error";
+  } catch (const Error& e) {
+    EXPECT_NE(
+        std::string(e.what()).find("no array \"speed\" of points; expected one of those there are: \"own\", "
+                                   "\"pair\" (2 components)"),
+        std::string::npos)
+        << e.what();
+  }
+}
+
 TEST_F(SceneBuilderTest, DistributesAgainWhereAnotherRankHasForgotten) {
   const BuiltScene first = build(source(0.05));
   ranks_.other = 0;

@@ -44,11 +44,14 @@ class RandomState {
 
   DatasetSpec dataset(int i) {
     if (integer(0, 3) == 0) return derived(i);
-    return {std::to_string(i).append(text()),
-            DatasetType(integer(0, 3)),
-            text(),
-            text(),
-            {unit(), unit(), unit(), unit()}};
+    DatasetSpec d{std::to_string(i).append(text()),
+                  DatasetType(integer(0, 3)),
+                  text(),
+                  text(),
+                  {unit(), unit(), unit(), unit()}};
+    if (d.type != DatasetType::Volume)
+      for (int n = integer(0, 2); n > 0; --n) d.fields.push_back(std::to_string(n) + text());
+    return d;
   }
 
   DatasetSpec derived(int i) {
@@ -98,6 +101,7 @@ class RandomState {
     Vis out;
     out.type = VisType(integer(0, 3));
     out.dataset = "other" + text();
+    if (coin()) out.array = text();
     if (coin()) out.component = integer(0, 9);
     out.colormap.points.clear();
     for (const double v : ascending()) out.colormap.points.push_back({v, {unit(), unit(), unit()}});

@@ -92,6 +92,26 @@ TEST(Resolved, ComponentsHaveTheirOwnRanges) {
   EXPECT_EQ((*resolved(asked, facts, second).operators[0].dataRange)[0], -2);
 }
 
+TEST(Resolved, FieldsOfGeometryHaveTheirOwnRanges) {
+  const Box box{{0, 0, 0}, {1, 1, 1}};
+  const std::vector<DataFacts> facts{
+      {box, box, {{-1, 1}}, 0, {{"velocity", {{-2, 2}, {-3, 3}, {0, 4}}}, {"age", {{5, 6}}}}}};
+  const auto rangeFor = [&](const std::string& array, std::optional<int> component) {
+    Visualization v;
+    v.operators.resize(1);
+    v.operators[0].type = VisType::Particles;
+    v.operators[0].array = array;
+    v.operators[0].component = component;
+    v.operators[0].rangeOfData = true;
+    ShownSoFar shown;
+    return resolved(v, facts, shown).operators[0].dataRange.value();
+  };
+  EXPECT_EQ(rangeFor("", {}), (std::array<double, 2>{-1, 1}));
+  EXPECT_EQ(rangeFor("age", {}), (std::array<double, 2>{5, 6}));
+  EXPECT_EQ(rangeFor("velocity", {}), (std::array<double, 2>{0, 4}));
+  EXPECT_EQ(rangeFor("velocity", 1), (std::array<double, 2>{-3, 3}));
+}
+
 TEST(Resolved, RadiiAreAPartOfTheSpacingAndWidenTheBox) {
   const Box box{{0, 0, 0}, {4, 4, 4}};
   const std::vector<DataFacts> facts{{box, box, {}, 0.5}};

@@ -2,6 +2,8 @@
 // What the state file says beyond the earlier Galaxy's.
 #include "core/scene/state_file.h"
 
+#include <algorithm>
+
 #include "tests/scene/scene_test_support.h"
 
 namespace gxy {
@@ -48,6 +50,39 @@ TEST(StateFile, OperatorKeys) {
   EXPECT_FALSE(vis.twoSided);
   EXPECT_EQ(vis.component, 2);
   EXPECT_FALSE(readVis(R"("component": "magnitude")").component);
+}
+
+TEST(StateFile, GeometryMayShowAnotherArray) {
+  const StateFile file = read(R"({"Datasets": {"name": "p", "type": "Particles", "filename": "a.vtp",
+    "fields": ["velocity", "age"]}, "Visualization": {"operators": [
+    {"type": "Particles", "dataset": "p", "array": "velocity", "component": 1}]}})");
+  EXPECT_TRUE(file.warnings.empty());
+  EXPECT_EQ(file.state.datasets.at(0).fields, (std::vector<std::string>{"velocity", "age"}));
+  const Vis& vis = file.state.visualizations.at(0).operators.at(0);
+  EXPECT_EQ(vis.array, "velocity");
+  EXPECT_EQ(vis.component, 1);
+  EXPECT_EQ(readState(writeState(file.state), "saved").state, file.state);
+}
+
+TEST(StateFile, KeysOfArraysWithoutEffectAreTold) {
+  const auto warnings =
+      read(R"({"Datasets": {"name": "v", "type": "Volume", "filename": "a.vti", "fields": "x"},
+    "Visualization": {"operators": [{"type": "Volume", "dataset": "v", "array": "x"},
+    {"type": "Triangles", "dataset": "t", "component": 0}]}})")
+          .warnings;
+  const auto told = [&](const std::string& text) {
+    return std::count_if(warnings.begin(), warnings.end(),
+                         [&](const std::string& w) { return w.find(text) != std::string::npos; });
+  };
+  EXPECT_EQ(told("`fields` has no effect on this type of dataset"), 1);
+  EXPECT_EQ(told("`array` has no effect on this type of operator"), 1);
+  EXPECT_EQ(told("has no effect without `array`"), 1);
+}
+
+TEST(StateFile, EachFieldOfADatasetIsThereOnce) {
+  EXPECT_THROW(read(R"({"Datasets": {"type": "Particles", "filename": "a.vtp", "fields": ["x", "x"]}})"),
+               Error);
+  EXPECT_THROW(read(R"({"Datasets": {"type": "Particles", "filename": "a.vtp", "fields": [1]}})"), Error);
 }
 
 TEST(StateFile, DatasetArray) {

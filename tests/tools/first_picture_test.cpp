@@ -297,6 +297,43 @@ TEST_F(FirstPicture, RadiiMayComeFromAnotherArrayThanColours) {
       << text;
 }
 
+TEST_F(FirstPicture, AnOperatorMayShowAnotherArrayThanItsDataset) {
+  std::ofstream table(folder_.path() / "p.csv");
+  table << "x,y,z,size,heat,v:0,v:1\n";
+  for (int i = 0; i < 30; i++)
+    table << i % 6 << ',' << i / 6 << ",0," << i / 30.0 << ',' << i * 7 % 30 << ",0," << -i / 30.0 << "\n";
+  table.close();
+  const auto scene = [&](const char* name, const std::string& dataset, const std::string& vis) {
+    std::ofstream(folder_.path() / name)
+        << R"({"Datasets": [{"name": "p", "type": "Particles", "filename": "p.csv", )" + dataset + R"(}],
+  "Visualization": {"operators": [{"type": "Particles", "dataset": "p", "colormap": "Viridis", "data range": "data",
+  "radius0": 0.05, "radius1": 0.6, "value0": -1, "value1": 1, )" +
+               vis + R"(}]}})";
+    return render(name);
+  };
+  const std::string fields = R"("array": "heat", "fields": ["size", "v"])";
+  const Pixels size = scene("size.json", R"("array": "size")", R"("two sided": true)");
+  ASSERT_FALSE(size.rgba.empty());
+  EXPECT_EQ(scene("array.json", fields, R"("array": "size")").rgba, size.rgba);
+  EXPECT_NE(scene("heat.json", fields, R"("array": "heat")").rgba, size.rgba);
+  EXPECT_EQ(scene("heat.json", fields, R"("array": "heat")").rgba,
+            scene("usual.json", R"("array": "heat")", R"("two sided": true)").rgba);
+  EXPECT_EQ(scene("mag.json", fields, R"("array": "v")").rgba,
+            scene("vector.json", R"("array": "v")", R"("two sided": true)").rgba);
+  EXPECT_NE(scene("part.json", fields, R"("array": "v", "component": 1)").rgba,
+            scene("mag.json", fields, R"("array": "v")").rgba);
+  std::ofstream(folder_.path() / "none.json") << R"({"Datasets": [{"name": "p", "type": "Particles",
+    "filename": "p.csv", "array": "heat", "fields": "size"}],
+    "Visualization": {"operators": [{"type": "Particles", "dataset": "p", "array": "sise"}]}})";
+  EXPECT_EQ(WEXITSTATUS(call(GXYRENDER " none.json -q -o n 2>error.txt")), 1);
+  std::ifstream in(folder_.path() / "error.txt");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_NE(
+      text.find("there is no array \"sise\" of points; expected one of those there are: \"heat\", \"size\""),
+      std::string::npos)
+      << text;
+}
+
 TEST_F(FirstPicture, SeriesIsAPictureForEachFileInColoursOfTheFirst) {
   ASSERT_EQ(call(GXYDATA " radial -r 8 -t 3 --array x s.vti && " GXYRENDER
                          " 's_*.vti' -q -o p --backend embree --size 16x16"),

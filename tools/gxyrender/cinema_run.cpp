@@ -36,7 +36,7 @@ json sweptByRoot(const Steps& steps, const RenderOptions& options) {
   });
   json all{{"columns", swept.columns}, {"time", swept.time ? json(*swept.time) : json()}};
   for (const SweptScene& scene : swept.scenes) {
-    State state{swept.datasets[scene.datasets], scene.settings, {scene.visualization}, {}, scene.annotations};
+    State state{swept.datasets[scene.datasets], scene.settings, {scene.visualization}, {}, scene.annotations, {}};
     all["scenes"].push_back({{"datasets", scene.datasets}, {"state", writeState(state)}});
   }
   State cameras;

@@ -11,15 +11,11 @@
 #include "core/io/automatic_partitioning.h"
 #include "core/io/import_geometry.h"
 #include "core/io/import_volume.h"
+#include "core/scene/dataset_type.h"
 
 namespace gxy {
 
 namespace {
-
-GeometryKind kindOf(DatasetType type) {
-  if (type == DatasetType::Particles) return GeometryKind::Particles;
-  return type == DatasetType::PathLines ? GeometryKind::PathLines : GeometryKind::Triangles;
-}
 
 /// The components of each volume that operators show, ascending. Volumes of which one shows the magnitude, and so
 /// perhaps all components, are not among them.
@@ -87,8 +83,10 @@ class Loader {
       } else {
         ValuesWanted wanted(d.array);
         wanted.radii = d.radiusArray;
+        wanted.fields = d.fields;
         const LoadedGeometry& g =
-            read_.emplace(d.name, loadGeometry(pathOf(d), kindOf(d.type), wanted, ranks_)).first->second;
+            read_.emplace(d.name, loadGeometry(pathOf(d), *geometryKindOf(d.type), wanted, ranks_))
+                .first->second;
         leftOut += g.leftOut;
         domain_.extend(g.geometry.box);
       }
@@ -139,6 +137,10 @@ class Loader {
       FilterRun run(ranks_, std::move(inputs), services);
       try {
         datasets_[d.name] = evaluate(*filters.get(d.filter), run, d.properties).dataset;
+        agree(ranks_, [&] {
+          if (!datasets_[d.name])
+            throw Error("filter " + d.filter + " makes no dataset, which is needed here");
+        });
       } catch (const Error& e) {
         throw Error("dataset \"" + d.name + "\": " + e.what());
       }
@@ -149,7 +151,7 @@ class Loader {
   const Dataset& dataset(const std::string& name) const { return *datasets_.at(name); }
   std::shared_ptr<const Dataset> sharedDataset(const std::string& name) const { return datasets_.at(name); }
   const std::set<std::string>& needed() const { return needed_; }
-  /// Whether a filter reads it, and so perhaps all its components.
+  /// Whether a filter reads it, or a file is made of it, and so perhaps all its components are needed.
   bool isInput(const std::string& name) const { return inputs_.count(name) > 0; }
   const DatasetSpec& spec(const std::string& name) const { return *specs_.at(name); }
   const std::shared_ptr<const Partitioning>& partitioning() const { return partitioning_; }
@@ -161,7 +163,7 @@ class Loader {
     return p.is_absolute() ? p.string() : (std::filesystem::path(directory_) / p).string();
   }
 
-  /// Collects what operators show, and what it is made of.
+  /// Collects what operators show, what becomes files, and what these are made of.
   void need() {
     std::vector<std::string> wanted;
     for (const Visualization& v : state_.visualizations)
@@ -171,6 +173,14 @@ class Loader {
                       "\", which the state file does not define");
         wanted.push_back(op.dataset);
       }
+    for (const OutputSpec& output : state_.outputs) {
+      if (output.type != OutputSpec::Type::DataFile) continue;
+      if (!specs_.count(output.of))
+        throw Error("output \"" + output.name + "\" is of dataset \"" + output.of +
+                    "\", which the state file does not define");
+      inputs_.insert(output.of);
+      wanted.push_back(output.of);
+    }
     while (!wanted.empty()) {
       const std::string name = std::move(wanted.back());
       wanted.pop_back();
@@ -235,7 +245,7 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   for (const std::string& name : loader.needed()) {
     const Dataset& d = loader.dataset(name);
     loaded.facts[name] = d.volume ? factsOf(*d.volume) : factsOf(*d.geometry);
-    loaded.datasets.push_back(loader.sharedDataset(name));
+    loaded.datasets[name] = loader.sharedDataset(name);
   }
   loaded.shown = std::move(shownSoFar);
   loaded.shown.resize(state.visualizations.size());

@@ -24,10 +24,11 @@ struct LoadedState {
   std::vector<std::vector<OperatorData>> data;  ///< by visualization, then operator
   /// By volume: the components of its file that were loaded. Volumes with all components are not listed.
   std::map<std::string, std::vector<int>> components;
-  std::map<std::string, DataFacts> facts;                ///< by dataset
-  std::vector<ShownSoFar> shown;                         ///< by visualization
-  std::vector<std::shared_ptr<const Dataset>> datasets;  ///< all that were read or made, with their memory
-  std::vector<DistributedGeometryPtr> geometry;          ///< that `data` show, with its memory
+  std::map<std::string, DataFacts> facts;  ///< by dataset
+  std::vector<ShownSoFar> shown;           ///< by visualization
+  std::map<std::string, std::shared_ptr<const Dataset>>
+      datasets;                                  ///< all that were read or made, with their memory
+  std::vector<DistributedGeometryPtr> geometry;  ///< that `data` show, with its memory
   LeftOut leftOut;
 
   /// Returns visualization v of a state after resolved(), with component numbers that refer to the loaded

@@ -15,9 +15,11 @@
 #include "core/comm/error_text.h"
 #include "core/comm/mpi_environment.h"
 #include "core/comm/mpi_transport.h"
+#include "core/io/write_dataset.h"
 #include "core/look/file_facts.h"
 #include "core/render/renderer.h"
 #include "core/scene/data_files.h"
+#include "core/scene/dataset_type.h"
 #include "core/scene/state_file.h"
 #include "tools/gxyrender/cinema_run.h"
 #include "tools/gxyrender/filter_place.h"
@@ -59,7 +61,14 @@ State readStateAlone(const std::string& path, const std::map<std::string, std::s
   StateFile file = readStateFile(path, &standardFilters());
   giveFiles(file.state, files);
   for (const std::string& w : file.warnings) std::cerr << "warning: " << w << '\n';
-  if (file.state.visualizations.empty()) throw Error(path + ": there is no visualization to render");
+  const auto isFile = [](const OutputSpec& o) { return o.type == OutputSpec::Type::DataFile; };
+  for (const OutputSpec& o : file.state.outputs)
+    if (!isFile(o))
+      std::cerr << "warning: " << path << ": output \"" << o.name << "\" is left out: " << nameOf(o.type)
+                << " is what graphs of a server make\n";
+  std::erase_if(file.state.outputs, [&](const OutputSpec& o) { return !isFile(o); });
+  if (file.state.visualizations.empty() && file.state.outputs.empty())
+    throw Error(path + ": there is no visualization to render, and no output of type Data file");
   if (file.state.cameras.empty()) file.state.cameras = {defaultCamera()};
   return std::move(file.state);
 }
@@ -137,6 +146,29 @@ double renderAll(const State& state, const LoadedState& loaded, const RenderOpti
   return cpuPictures;
 }
 
+// Writes the datasets that the state's outputs name. Files replace others of their names once they are complete.
+void writeOutputs(const State& state, const LoadedState& loaded, const Place& at) {
+  for (const OutputSpec& output : state.outputs) {
+    const Dataset& dataset = *loaded.datasets.at(output.of);
+    std::filesystem::path path = fileOfStep(output.to, newestStep(dataset)), partial = path;
+    partial.replace_filename(path.stem().string() + ".partial" + path.extension().string());
+    agree(at.ranks, [&] {
+      checkFileFor(geometryKindOf(typeOf(dataset)), path.string(), "dataset \"" + output.of + "\"");
+    });
+    const LedgerEntry memory = at.ledger.enter(kTenant, "export", gatheringBytes(dataset, at.root));
+    try {
+      writeDataset(dataset, at.ranks, partial.string());
+    } catch (const Error&) {
+      if (at.root) std::filesystem::remove(partial);
+      throw;
+    }
+    agree(at.ranks, [&] {
+      if (at.root) std::filesystem::rename(partial, path);
+    });
+    if (at.showProgress) std::cerr << "wrote " << path.string() << '\n';
+  }
+}
+
 // Renders all pictures of one step. Returns what its visualizations have shown.
 std::vector<ShownSoFar> renderStep(const State& state, const std::string& directory,
                                    const RenderOptions& options, const Place& at,
@@ -147,6 +179,7 @@ std::vector<ShownSoFar> renderStep(const State& state, const std::string& direct
   const LoadedState loaded = loadData(state, directory, options, at.ranks, at.ledger, std::move(shown),
                                       standardFilters(), at.services);
   phases.load = wallSeconds() - begin;
+  writeOutputs(state, loaded, at);
 
   Renderer::Options rendering{options.packet, options.raysInFlight, &at.ledger, kTenant};
   rendering.runners = rendering.handOuts = at.transport.threads();
@@ -240,7 +273,7 @@ int run(const RenderOptions& options) {
               std::move(shown));
         numbered.firstPicture += state.cameras.size() * state.visualizations.size();
       }
-      if (root && !options.quiet)
+      if (root && !options.quiet && !state.visualizations.empty())
         std::cerr << numbered.firstPicture << " picture(s) " << pictureName(state, options, 0, 0) << "."
                   << options.format << " ... in " << wallSeconds() - begin << " s\n";
     } catch (const std::exception& e) {

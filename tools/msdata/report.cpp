@@ -58,7 +58,10 @@ std::string eventText(const json& event) {
 void Report::listenTo(Client::Options& options) {
   options.onEvent = [this](const json& e) { event(e); };
   options.onFile = [this](uint32_t, const json& header, std::span<const std::byte> content) {
-    picture(header, content);
+    if (header.contains("name"))
+      picture(header, content);
+    else
+      array(header, content);
   };
   options.onEnd = [this](const std::string& reason) { ended_.set_value(reason); };
 }
@@ -91,6 +94,18 @@ void Report::event(const json& event) {
     output_.error("waiting: " + member(event, "text"));
   else
     output_.line(eventText(event));
+}
+
+void Report::array(const json& header, std::span<const std::byte> content) {
+  if (json_) {
+    json line = header;
+    line["bytes"] = content.size();
+    output_.line(jsonLine(line));
+  } else {
+    output_.line("  " + member(header, header.contains("field") ? "field" : "structure") + ": from " +
+                 member(header, "first") + " on " + member(header, "count") + " of " + member(header, "of") +
+                 ", " + member(header, "components") + " " + member(header, "type") + " each");
+  }
 }
 
 void Report::picture(const json& header, std::span<const std::byte> content) {

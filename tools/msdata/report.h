@@ -29,6 +29,8 @@ class Report {
  private:
   void event(const nlohmann::json& event);
   void picture(const nlohmann::json& header, std::span<const std::byte> content);
+  /// Tells of a part of an array of `fetch`; `export` is for who wants files.
+  void array(const nlohmann::json& header, std::span<const std::byte> content);
 
   Output& output_;
   const bool json_;

@@ -223,6 +223,28 @@ class Window:
             self._changed.notify_all()
 
 
+class _Arrays:
+    """The arrays of a fetch, as their parts come."""
+
+    def __init__(self):
+        self._arrays = {"structure": {}, "fields": {}}
+
+    def take(self, _, header, content):
+        kind, name = ("structure", "structure") if "structure" in header else ("fields", "field")
+        values = np.frombuffer(content, np.dtype(header["type"]).newbyteorder("<"))
+        n = header["components"]
+        array = self._arrays[kind].setdefault(header[name], np.empty(header["of"] * n, values.dtype))
+        array[header["first"] * n:(header["first"] + header["count"]) * n] = values
+        if header["first"] + header["count"] == header["of"] and n > 1:
+            self._arrays[kind][header[name]] = array.reshape(-1, n)
+
+    def of(self, reply):
+        if "dimensions" in reply:
+            for name, array in self._arrays["fields"].items():
+                self._arrays["fields"][name] = array.reshape(*reversed(reply["dimensions"]), *array.shape[1:])
+        return self._arrays
+
+
 class Client:
     """One connection. A thread of its own reads, answers pings, and calls the callbacks, which must be short. What they
     raise is logged (logger "galaxy") and changes nothing.
@@ -245,8 +267,9 @@ class Client:
         elif token is None:
             token, why_none = _token_for(host, port)
         self._on_event, self._on_file = on_event, on_file
-        self._lock = threading.Lock()  # of the four below
+        self._lock = threading.Lock()  # of the five below
         self._replies, self._next_id, self._ended, self._windows = {}, 1, None, {}
+        self._on_files = {}  # by request, where its file records go
         self._sending = threading.Lock()
         try:
             self._socket = socket.create_connection((host, port), timeout=10)
@@ -287,8 +310,11 @@ class Client:
         self._thread.join()
         self._socket.close()
 
-    def send(self, statement):
-        """Sends a statement. (its id, a Future of the reply's object or GalaxyError)"""
+    def send(self, statement, on_file=None):
+        """Sends a statement. (its id, a Future of the reply's object or GalaxyError)
+
+        on_file, if given, is called with the file records of this request in place of the client's on_file.
+        """
         payload = statement.encode()
         most = self.welcome.get("limits", {}).get("request bytes", 1 << 24)
         if len(payload) > most:
@@ -299,17 +325,31 @@ class Client:
             number, reply = self._next_id, Future()
             self._next_id = number % 0xFFFFFFFF + 1
             self._replies[number] = reply
+            if on_file:
+                self._on_files[number] = on_file
         try:
             self._send(_REQUEST, number, payload)
         except OSError as e:
             with self._lock:
                 self._replies.pop(number, None)
+                self._on_files.pop(number, None)
             raise GalaxyError(f"the connection has ended: {self._ended or e}") from e
         return number, reply
 
     def request(self, statement, timeout=None):
         """Sends a statement and waits; the reply's object, {} if it has none. Raises GalaxyError for an error."""
         return self.send(statement)[1].result(timeout)
+
+    def fetch(self, name, timeout=None):
+        """What a dataset holds: the object of the reply of data.fetch with two members more. Loads module data.
+
+        structure    arrays by name, of geometry: points (float64, N x 3), normals, segments, triangles, ids
+        fields       arrays by name: of a volume (nz, ny, nx) or (nz, ny, nx, components), of points (N,) or (N, components)
+        """
+        arrays = _Arrays()
+        self.request("load data")
+        reply = self.send(f"data.fetch {json.dumps(name)}", arrays.take)[1].result(timeout)
+        return reply | arrays.of(reply)
 
     def window(self, number, **settings):
         """Makes window `number`, or changes it: size=(width, height), follow=True. Loads module viewer."""
@@ -368,6 +408,7 @@ class Client:
             value, failure = _reply_of(payload)
             with self._lock:
                 reply = self._replies.pop(number, None)
+                self._on_files.pop(number, None)
             if reply is None:
                 raise GalaxyError(f"reply to request {number}, which is not out")
             if not reply.set_running_or_notify_cancel():
@@ -384,9 +425,12 @@ class Client:
                 window = self._windows.get(struct.unpack_from("<I", payload, 4)[0])
             if window:
                 window._take(payload)
-        elif channel == _FILE and self._on_file:
-            (size,) = struct.unpack_from("<I", payload)
-            self._call(self._on_file, number, json.loads(payload[4:4 + size]), bytes(payload[4 + size:]))
+        elif channel == _FILE:
+            with self._lock:
+                on_file = self._on_files.get(number, self._on_file)
+            if on_file:
+                (size,) = struct.unpack_from("<I", payload)
+                self._call(on_file, number, json.loads(payload[4:4 + size]), bytes(payload[4 + size:]))
 
     @staticmethod
     def _call(callback, *arguments):

@@ -2,6 +2,7 @@
 // Module `analysis`: data made of data.
 #include "core/comm/error.h"
 #include "core/scene/filter_schema.h"
+#include "multiserver/modules/analysis/watches.h"
 #include "multiserver/server/filter_runs.h"
 #include "multiserver/server/module.h"
 
@@ -43,6 +44,22 @@ json filters(Request& request) {
   return described(request.session().serverRank().filters);
 }
 
+json watch(Request& request) {
+  protocol::Arguments arguments(request.arguments(), "watch {\"expression\": TEXT}");
+  const json wanted = DocumentReader(request).object(arguments.expectJson(), "watch");
+  arguments.expectEnd();
+  const auto watches = request.session().state<Watches>([] { return std::make_shared<Watches>(); });
+  return watches->add(request, WatchedCondition::read(wanted));
+}
+
+json unwatch(Request& request) {
+  protocol::Arguments arguments(request.arguments(), "unwatch NAME");
+  const std::string name = arguments.expectWord();
+  arguments.expectEnd();
+  request.session().state<Watches>([] { return std::make_shared<Watches>(); })->remove(name);
+  return nullptr;
+}
+
 }  // namespace
 
 GALAXY_MODULE(registration) {
@@ -51,4 +68,8 @@ GALAXY_MODULE(registration) {
                      Order::Aside, make});
   registration.verb(
       {"filters", "", "What filters there are, with their inputs and properties.", Order::InTurn, filters});
+  registration.verb({"watch", "{\"expression\": TEXT}",
+                     "Tells when a condition on whole fields begins to hold, such as max(p) > 3.",
+                     Order::Aside, watch});
+  registration.verb({"unwatch", "NAME", "Ends a watch.", Order::InTurn, unwatch});
 }

@@ -5,6 +5,7 @@
 #include "core/comm/error.h"
 #include "core/scene/state_file.h"
 #include "multiserver/modules/data/export.h"
+#include "multiserver/modules/data/fetch.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/filter_runs.h"
 #include "multiserver/server/module.h"
@@ -29,7 +30,7 @@ json list(Request& request, protocol::Arguments arguments) {
   json datasets = json::array();
   std::string text = "datasets:";
   for (const NamedDataset& d : datasetsOf(request).list(request.session().tenant())) {
-    if (d.ofGraph && !all) continue;
+    if (d.ofGraph && d.name.find('/') != std::string::npos && !all) continue;
     datasets.push_back(listed(d));
     text += "\n" + d.name;
   }
@@ -226,10 +227,13 @@ GALAXY_MODULE(registration) {
   registration.verb(verb("import", "[shared] [new | like NAME] {\"Datasets\": [...]}",
                          "Reads files; each becomes a dataset, or a new generation of one.", Order::Aside,
                          import));
-  addExportWork(registration);
   registration.verb(verb("export", "NAME FILE",
                          "Writes a dataset to a file: .vti, or .vtp, .vtu, .csv, .ply, .stl.", Order::Aside,
                          exportDataset));
+  registration.verb({"fetch", "NAME", "Sends the client what a dataset holds, as arrays.", Order::Aside,
+                     [fetches = addFetchWork(registration)](Request& request) {
+                       return fetchDataset(*fetches, request, {request.arguments(), "fetch NAME"});
+                     }});
   registration.verb(verb("drop", "NAME", "Forgets a dataset.", Order::InTurn, drop));
   registration.verb(verb("rename", "NAME NEW", "Gives a dataset another name.", Order::InTurn, rename));
   registration.verb(verb("range", "NAME", "Least and largest value.", Order::InTurn, range));

@@ -8,9 +8,6 @@
 
 namespace gxy {
 
-/// Adds what the verb does on each rank.
-void addExportWork(Registration& registration);
-
 /// `export NAME FILE`: gathers the newest generation of a dataset on rank 0, which writes the file. Waits. Throws Error; then a file of
 /// this name is what it was.
 nlohmann::json exportDataset(Request& request, protocol::Arguments arguments);

@@ -73,8 +73,8 @@ LookFacts FirstLooks::factsOf(const std::string& tenant, const std::string& name
   const auto [named, pin] = serverRank_.datasets->getPinned(tenant, name);
   const auto dataset = pin.get<Dataset>();
   LookFacts facts;
-  facts.dataset = {name,           typeOf(*dataset), dataset->file,
-                   dataset->array, dataset->color,   dataset->radiusArray};
+  facts.dataset = {name,           typeOf(*dataset),     dataset->file,  dataset->array,
+                   dataset->color, dataset->radiusArray, dataset->fields};
   facts.data = dataset->volume ? gxy::factsOf(*dataset->volume) : gxy::factsOf(*dataset->geometry);
   if (!dataset->volume && !valuesCount(dataset->file, dataset->array)) return facts;
   if (dataset->volume) facts.thin = thinAxis(dataset->volume->grid);

@@ -262,7 +262,7 @@ json list(Request& request, Arguments arguments) {
 
 // The entry from which a dataset can be had again: its file, or its filter.
 DatasetSpec specOf(const std::string& name, const Dataset& d) {
-  DatasetSpec spec{name, typeOf(d), d.file, d.array, d.color, d.radiusArray};
+  DatasetSpec spec{name, typeOf(d), d.file, d.array, d.color, d.radiusArray, d.fields};
   if (!d.stream.empty()) spec.array.clear();
   spec.filter = d.provenance.filter;
   spec.properties = d.provenance.properties;
