@@ -270,6 +270,10 @@ TEST(RaysThatFollow, AreAsManyAsTheirAncestorsSpawn) {
     EXPECT_LT(std::max({q.x, q.y, q.z}), 0.287 + 1e-5);
     EXPECT_GT(std::max({q.x, q.y, q.z}), 0.287 - 0.03);
   }
+  // Points come by generations, and in each by rays: so the parent of each is known. None has met the surface where it began.
+  for (uint64_t parents = 0, of = 30, id = 30; id < 1200; parents += of, of *= 3)
+    for (uint64_t child = 0; child < 3 * of; child++, id++)
+      EXPECT_GT(glm::length(all.points.at(id).first - all.points.at(parents + child / 3).first), 1e-4) << id;
 }
 
 TEST(RaysThatFollow, GoOnFromMirrorsOfPlanesAndTriangles) {
