@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Decides where each traced ray goes: into its pixel, on behind a translucent surface, or to the next
-// partition. It also lists the rays that are to be shaded.
+// partition. It also lists the rays that are to be shaded or, in a sampling, that are to record what they have met (sample.comp).
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 
@@ -18,6 +18,8 @@ void settle(SceneView s, float opacity) {
     deposit(GIVEN(pixel), ivec4(-lossOf(GIVEN(sr), A, s.tMin), -lossOf(GIVEN(sg), A, s.tMin), -lossOf(GIVEN(sb), A, s.tMin), 0));
 }
 
+#define SAMPLED ((SURFACES & SURFACE_SAMPLED) != 0)
+
 void main() {
   if (!hasRay()) return;
   SceneView s = theScene;
@@ -25,12 +27,13 @@ void main() {
   float A = GIVEN(A);
   int next = END_DONE;
   if (GIVEN(hitKind) != HIT_NONE) {
-    if (primary) {
+    if (primary || SAMPLED) {
       uint i = takePlace(COUNT_SHADED);
       RAY_OF(rays, i, shaded) = rayBlock * BLOCK_RAYS + gl_LocalInvocationIndex;
     }
     A = opacityBehind(A, operatorOf(GIVEN(hitOperator)).opacity);
     if (GOES_ON && !(1.0 - A < s.tMin)) next = END_ACTIVE;
+    if (SAMPLED) next = END_SURFACE;
   } else if (!(1.0 - A < s.tMin || GIVEN(tOut) >= GIVEN(tEnd))) {
     float t = GIVEN(tOut);
     if (LEAVES) {
@@ -39,7 +42,7 @@ void main() {
     }
   }
   if (next == END_DONE) {
-    settle(s, A);
+    if (!SAMPLED) settle(s, A);
   } else if (GOES_ON && next == END_ACTIVE) {
     uint i = primary ? takePlace(COUNT_ACTIVE_PRIMARIES) : takePlace(COUNT_ACTIVE_SECONDARIES);
 #define COPY_TO activeRays
@@ -52,7 +55,7 @@ void main() {
     RAY_OF(activeRays, i, packet) = GIVEN(packet);
     RAY_OF(activeRays, i, step) = 0;
 #undef COPY_TO
-  } else if (LEAVES) {
+  } else if (LEAVES && next >= 0) {
     uint i = takePlace(COUNT_LEAVING);
     if (staysHere(next)) {
 #define COPY_TO stayingRays

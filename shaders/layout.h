@@ -48,6 +48,7 @@
 #define SURFACE_CASTS 32    // surfaces make secondary rays
 #define SURFACE_STARTS 64   // rays may start on an isosurface
 #define SURFACE_COUNTS 128  // nodes and primitives of geometry are counted
+#define SURFACE_SAMPLED 256  // rays sample surfaces, and give nothing to pixels
 
 #define SCENE_SET 0
 #define SCENE_BINDING 0
@@ -65,7 +66,7 @@
 #define SCENE_BINDINGS 11
 
 #define FRAME_SET 1
-#define FRAME_BINDING 0
+#define FRAME_BINDING 0  // of a frame, or of a sampling
 #define FRAME_BINDINGS 1
 
 #define LANE_SET 2
@@ -73,7 +74,7 @@
 #define ACTIVE_BINDING 1   // rays that go on behind a translucent surface
 #define HERE_BINDING 2     // secondary rays that start in this partition
 #define LEAVING_BINDING 3  // rays for other partitions; of those that stay on the device, only where they go
-#define RECORDS_BINDING 4  // contributions: pixel, r, g, b, a
+#define RECORDS_BINDING 4  // contributions: pixel, r, g, b, a; of a sampling: samples
 #define DEPTHS_BINDING 5   // pixel, and a double in two words, low first
 #define COUNTS_BINDING 6
 #define RAY_WORDS_BINDING 7  // the words of RAYS_BINDING as texels
@@ -83,6 +84,10 @@
 #define RECORD_WORDS 5
 #define TILE_RAYS 1024u
 #define DEPTH_WORDS 3
+// A sample: number of the ray (low, high), of its hit, of its ancestors, operator, t, origin and direction of the ray, kind and number of
+// what it has met; then the stored values of all fields of the sampling, and the gradient if it is asked for.
+#define SAMPLE_WORDS 14
+#define MOST_SAMPLED_FIELDS 16
 
 // The fields of a ray on the device besides those of ray_fields.h: F(type, name).
 //   packet    the packet of the batch that it came with

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Finds each ray's nearest hit with the slices of one operator.
+// Finds each ray's nearest hit with the slices of one operator, or with the places at equal distances that a sampling asks for.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 
@@ -24,6 +24,10 @@ void main() {
       float t = hitSlice(v, ray, o, d, sliceNormal(view, uint(k)), offset, GIVEN(tIn), tOut, tLast);
       if (t < NO_HIT) takeHit(nearest, t, HIT_SLICE, op, uint(k));
     }
+  }
+  if (view.every > 0.0 && GIVEN(A) < 1.0) {
+    float t = hitStep(v, ray, view.every, GIVEN(tIn), tOut, behindLast(last, op, STEPS));
+    if (t < NO_HIT) takeHit(nearest, t, HIT_STEP, op, STEPS);
   }
   endStage();
 }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "backends/embree/embree_sampling.h"
 
-#include <glm/vec3.hpp>
 #include <utility>
 
 #include "act_sample_ispc.h"
-#include "backends/embree/view_pointers.h"
 #include "core/rays/fill_views.h"
+#include "core/rays/view_pointers.h"
 
 namespace gxy {
 
@@ -14,13 +13,6 @@ namespace {
 
 uint64_t numberOf(const RayView& rays, int i) {
   return uint64_t(rays.pixel[i]) | uint64_t(uint32_t(rays.sr[i])) << 32;
-}
-
-// In double from the ray alone, so that it has the same bits whatever the partitions.
-glm::dvec3 worldAt(const RenderSpace& space, const RayView& rays, int i) {
-  const double t = rays.tHit[i];
-  const glm::dvec3 p(rays.ox[i] + t * rays.dx[i], rays.oy[i] + t * rays.dy[i], rays.oz[i] + t * rays.dz[i]);
-  return space.centre + p / space.scale;
 }
 
 }  // namespace
@@ -58,25 +50,24 @@ void EmbreeSampling::record(const single::SceneView& scene, int partition, RayVi
   std::vector<int32_t> hit(n);
   ispc::sampleHits(&scene, &parts_.at(partition).view, &rays, which.data(), int(n), values.data(),
                    gradients.data(), hit.data());
-  samples.values.resize(size_t(s.recorded));
   for (size_t k = 0; k < n; k++) {
     if (hit[k] < 0) continue;
     const int i = which[k];
-    samples.ray.push_back(numberOf(rays, i));
-    samples.hit.push_back(uint32_t(hit[k]));
-    samples.depth.push_back(uint32_t(rays.sg[i]));
-    samples.surface.push_back(uint32_t(rays.hitOperator[i]));
-    samples.t.push_back(rays.tHit[i]);
-    samples.position.push_back(worldAt(s.scene->space, rays, i));
-    for (size_t f = 0; f < samples.values.size(); f++) {
-      const Volume& volume = *s.fields[f].volume;
-      samples.values[f].push_back(float(volume.shift + volume.scale * values[f * n + k]));
-    }
-    if (!s.gradient) continue;
-    const CompiledOperator& op = s.scene->operators[size_t(rays.hitOperator[i])];
-    const double unit = (op.data.volume ? op.data.volume->scale : 1) * s.scene->space.scale;
-    const float* g = &gradients[3 * k];
-    samples.gradient.emplace_back(glm::dvec3(g[0], g[1], g[2]) * unit);
+    addSample(s,
+              {numberOf(rays, i),
+               uint32_t(hit[k]),
+               uint32_t(rays.sg[i]),
+               uint32_t(rays.hitOperator[i]),
+               rays.tHit[i],
+               {{rays.ox[i], rays.oy[i], rays.oz[i]},
+                {rays.dx[i], rays.dy[i], rays.dz[i]},
+                uint32_t(rays.hitKind[i]),
+                rays.hitPrimitive[i],
+                partition},
+               values.data() + k,
+               n,
+               gradients.data() + (s.gradient ? 3 * k : 0)},
+              samples);
   }
 }
 

@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "backends/embree/embree_sampling.h"
-#include "backends/embree/view_pointers.h"
 #include "core/comm/error.h"
 #include "core/rays/fill_views.h"
+#include "core/rays/view_pointers.h"
 #include "fields_ispc.h"
 #include "geometry_ispc.h"
 #include "integrate_ispc.h"
@@ -79,7 +79,7 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
     : shared_(std::move(shared)), scene_(std::move(scene)), rank_(rank) {
   const auto& operators = scene_->operators;
   for (size_t i = 0; i < operators.size(); i++) {
-    if (!operators[i].slices.empty()) slicedOperators_.push_back(int(i));
+    if (!operators[i].slices.empty() || operators[i].every > 0) slicedOperators_.push_back(int(i));
     if (!operators[i].isovalues.empty()) isoOperators_.push_back(int(i));
     if (operators[i].vis.type == VisType::Volume && operators[i].vis.volumeRendering)
       renderedOperators_.push_back(int(i));

@@ -30,6 +30,10 @@ export void hitSlices(const void* uniform scene, void* uniform rays, uniform int
         if (t < NO_HIT) takeHit(r, i, t, HIT_SLICE, op, k);
       }
     }
+    if (view.every > 0.0f && r.A[i] < 1.0f) {
+      float t = hitStep(v, ray, view.every, r.tIn[i], tOut, behindLast(lastHit(s, r, i), op, STEPS));
+      if (t < NO_HIT) takeHit(r, i, t, HIT_STEP, op, STEPS);
+    }
   }
 }
 

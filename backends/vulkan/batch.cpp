@@ -46,6 +46,8 @@ Batch::Batch(std::vector<DeviceTask> requests)
       part_(*requests_[0].part),
       frame_(*requests_[0].frame),
       kind_(requests_[0].kind),
+      primary_(requests_[0].primary()),
+      spawns_(requests_[0].spawns()),
       perHit_(requests_[0].perHit()) {}
 
 size_t Batch::rays() const {
@@ -56,7 +58,7 @@ size_t Batch::rays() const {
 
 void Batch::start(std::unique_ptr<Lane> lane) {
   lane_ = std::move(lane);
-  lane_->reserve(rays(), perHit_);
+  lane_->reserve(rays(), perHit_, frame_.sampling ? frame_.sampling->words() : 0);
   if (kind_ == DeviceTask::Kind::Spawn) {
     std::vector<SpawnTile> tiles;
     for (const DeviceTask& r : requests_) tiles.push_back(r.tile);
@@ -75,7 +77,10 @@ void Batch::start(std::unique_ptr<Lane> lane) {
       at += requests_[i].size();
       complete_ = complete_ && requests_[i].rays.complete();
     }
-    trace(List::Given, int32_t(at), kind_ == DeviceTask::Kind::Primaries);
+    if (kind_ == DeviceTask::Kind::Begin)
+      steps_.push_back(scene_.beginStep(part_, int(at)));
+    else
+      trace(List::Given, int32_t(at), primary_);
   }
   submit(0, false);
 }
@@ -105,7 +110,7 @@ bool Batch::advance(DeviceTime& time) {
   c.nsDevice += uint64_t(spent.busy);
   c.nsDeviceIdle += spent.idle;
   scene_.addTimes(c, *lane_);
-  if (!requests_[0].urgent && c.submissions == 1)
+  if (!requests_[0].urgent && c.submissions == 1 && kind_ != DeviceTask::Kind::Begin)
     scene_.batchSize().took(int(rays()), std::chrono::nanoseconds(lane_->ended() - lane_->began()));
   if (lane_->count(COUNT_STUCK) > 0)
     throw Error("device \"" + scene_.deviceName() + "\" gave up on " +
@@ -117,13 +122,13 @@ bool Batch::advance(DeviceTime& time) {
   }
   take();
   steps_.clear();
-  if (activeSecondaries_ > 0 && kind_ != DeviceTask::Kind::Secondaries) {
+  if (activeSecondaries_ > 0 && primary_) {
     here_ = otherOf(here_);
     trace(here_, int32_t(activeSecondaries_), false);
   } else if (activePrimaries_ + activeSecondaries_ > 0) {
     given_ = otherOf(given_);
     here_ = List::Here;
-    trace(given_, int32_t(activePrimaries_ + activeSecondaries_), kind_ != DeviceTask::Kind::Secondaries);
+    trace(given_, int32_t(activePrimaries_ + activeSecondaries_), primary_);
   } else {
     return false;
   }
@@ -136,8 +141,10 @@ void Batch::take() {
   const Lane& lane = *lane_;
   TraceResult& all = results_[0];
   TraceCounters& c = all.counters;
-  c.raysShaded += lane.count(COUNT_SHADED);
-  c.runs(Kernel::Shade) += lane.count(COUNT_SHADED) > 0;
+  if (!frame_.sampling) {
+    c.raysShaded += lane.count(COUNT_SHADED);
+    c.runs(Kernel::Shade) += lane.count(COUNT_SHADED) > 0;
+  }
   c.samples += lane.count(COUNT_SAMPLES);
   c.macrocells += lane.count(COUNT_MACROCELLS);
   c.macrocellsSkipped += lane.count(COUNT_SKIPPED);
@@ -152,17 +159,30 @@ void Batch::take() {
   c.raysTraced += lane.count(COUNT_SPAWNED) + lane.count(COUNT_HERE);
   if (kind_ == DeviceTask::Kind::Spawn)
     c.raysSpawned += lane.count(part_.partition < 0 ? COUNT_LEAVING : COUNT_SPAWNED);
+  if (steps_[0].stage == Stage::Begin)
+    c.raysSpawned += lane.count(COUNT_LEAVING) + lane.count(COUNT_ACTIVE_SECONDARIES);
   distribute();
-  const int32_t* r = lane.records();
-  all.contributions.reserve(all.contributions.size() + lane.count(COUNT_RECORDS));
-  for (uint32_t i = 0; i < lane.count(COUNT_RECORDS); i++, r += RECORD_WORDS)
-    all.contributions.push_back({uint32_t(r[0]), r[1], r[2], r[3], r[4]});
+  takeRecords();
   const uint32_t* d = lane.depths();
   for (uint32_t i = 0; i < lane.count(COUNT_DEPTHS); i++, d += DEPTH_WORDS)
     all.depths.push_back({d[0], std::bit_cast<double>(uint64_t(d[2]) << 32 | d[1]) * frame_.worldPerRender});
   activeSecondaries_ = lane.count(COUNT_ACTIVE_SECONDARIES);
   // Primaries that go on wait until none of their secondaries goes on.
   if (steps_[0].list == given_) activePrimaries_ = lane.count(COUNT_ACTIVE_PRIMARIES);
+}
+
+// Takes contributions to pixels, or samples.
+void Batch::takeRecords() {
+  const Lane& lane = *lane_;
+  TraceResult& all = results_[0];
+  const int32_t* r = lane.records();
+  if (frame_.sampling) {
+    const size_t words = lane.count(COUNT_RECORDS) * frame_.sampling->words();
+    return frame_.sampling->take({r, words}, part_.partition, all.samples);
+  }
+  all.contributions.reserve(all.contributions.size() + lane.count(COUNT_RECORDS));
+  for (uint32_t i = 0; i < lane.count(COUNT_RECORDS); i++, r += RECORD_WORDS)
+    all.contributions.push_back({uint32_t(r[0]), r[1], r[2], r[3], r[4]});
 }
 
 // Hands rays that leave to the packets that they came with, by kind and partition. Those that stay on the
@@ -195,16 +215,15 @@ void Batch::distribute() {
 
 void Batch::answer() {
   TraceCounters& c = results_[0].counters;
-  c.raysRetired = (kind_ == DeviceTask::Kind::Spawn ? c.raysSpawned : rays()) + c.secondariesSpawned;
+  c.raysRetired = (spawns_ ? c.raysSpawned : rays()) + c.secondariesSpawned;
   for (const TraceResult& result : results_)
     for (const LeavingRays& l : result.leaving) c.raysRetired -= uint64_t(l.rays.size());
   for (size_t i = 0; i < requests_.size(); i++) {
     TraceResult& result = results_[i];
     uint64_t left = 0;
     for (const LeavingRays& l : result.leaving)
-      (l.primary == (kind_ != DeviceTask::Kind::Secondaries) ? left : result.created) +=
-          uint64_t(l.rays.size());
-    if (kind_ == DeviceTask::Kind::Spawn)
+      (l.primary == primary_ ? left : result.created) += uint64_t(l.rays.size());
+    if (spawns_)
       result.created = 0;
     else
       result.retired = uint64_t(requests_[i].rays.size()) - left;
@@ -216,7 +235,7 @@ void endUndone(std::vector<DeviceTask>& requests, const std::string& error) {
   for (DeviceTask& r : requests) {
     TraceResult result;
     result.error = error;
-    result.retired = uint64_t(r.rays.size());
+    result.retired = r.spawns() ? 0 : uint64_t(r.rays.size());
     tell(r, std::move(result));
   }
 }

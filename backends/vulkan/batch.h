@@ -14,9 +14,9 @@ namespace gxy::vulkan {
 
 inline size_t pixelsOf(const SpawnTile& t) { return size_t(t.x1 - t.x0) * size_t(t.y1 - t.y0); }
 
-/// A request to a scene: a packet to trace, or a tile to spawn.
+/// A request to a scene: a packet to trace, a tile to spawn, or rays of a sampling that begin.
 struct DeviceTask {
-  enum class Kind { Spawn, Primaries, Secondaries };
+  enum class Kind { Spawn, Begin, Primaries, Secondaries };
   const VulkanScene* scene;
   /// The part that rays are traced in. For spawning: rays that start in it are traced at once.
   const PartitionOnDevice* part;
@@ -30,8 +30,14 @@ struct DeviceTask {
   size_t size() const { return kind == Kind::Spawn ? pixelsOf(tile) : size_t(rays.size()); }
   /// Most secondaries that each of its rays may make at a time, on the device.
   size_t perHit() const {
-    return kind == Kind::Secondaries || part->partition < 0 ? 0 : scene->secondariesPerHit(*frame);
+    return kind == Kind::Begin || kind == Kind::Secondaries || part->partition < 0
+               ? 0
+               : scene->secondariesPerHit(*frame);
   }
+  /// Whether its rays are primaries.
+  bool primary() const { return kind == Kind::Spawn || kind == Kind::Primaries; }
+  /// Whether its rays count as created only where the result has them.
+  bool spawns() const { return kind == Kind::Spawn || kind == Kind::Begin; }
   /// Whether both may go in one batch.
   bool isLike(const DeviceTask& o) const {
     return scene == o.scene && part == o.part && frame == o.frame && kind == o.kind;
@@ -73,6 +79,7 @@ class Batch {
   void trace(List list, int32_t rays, bool primary);
   void submit(size_t firstStep, bool resumed);
   void take();
+  void takeRecords();
   void distribute();
 
   std::vector<DeviceTask> requests_;
@@ -82,6 +89,7 @@ class Batch {
   const PartitionOnDevice& part_;
   const VulkanFrame& frame_;
   const DeviceTask::Kind kind_;
+  const bool primary_, spawns_;  ///< DeviceTask::primary() and spawns()
   const size_t perHit_;
   bool complete_ = true;  ///< the rays have their origins and directions
   std::vector<Step> steps_;

@@ -21,6 +21,9 @@ uint32_t groupsOf(size_t rays) {
   return uint32_t((blocksOf(rays) + GROUP_ROWS - 1) / GROUP_ROWS * GROUP_ROWS);
 }
 
+// Samples take less than a list of their rays, so they fit a binding where that does.
+static_assert(SAMPLE_WORDS + MOST_SAMPLED_FIELDS + 3 <= kRayBytes / sizeof(int32_t));
+
 // A list is bound as a storage buffer and as texels.
 size_t largestList(const Device& device) {
   const VkPhysicalDeviceLimits& limits = device.limits();
@@ -80,7 +83,7 @@ size_t Lane::roomy(size_t bytes) const {
 
 bool Lane::isLargerThan(size_t rays) const { return leaving_.bytes() > roomy(listBytes(rays)); }
 
-void Lane::reserve(size_t rays, size_t perHit) {
+void Lane::reserve(size_t rays, size_t perHit, size_t sampleWords) {
   const size_t here = rays * perHit, all = rays + here, most = mostRays(device_);
   if (all > most)
     throw Error("Vulkan: device \"" + device_.info().name + "\" takes lists of up to " +
@@ -100,7 +103,8 @@ void Lane::reserve(size_t rays, size_t perHit) {
       {lists_[int(List::HereOther)], listBytes(here), Place::Device, "secondary rays"},
       {leaving_, listBytes(all), Place::Readback, "rays"},
       // A primary that meets a surface and ends there contributes twice.
-      {records_, (rays + all) * RECORD_WORDS * sizeof(int32_t), Place::Readback, "contributions"},
+      {records_, std::max((rays + all) * RECORD_WORDS, rays * sampleWords) * sizeof(int32_t), Place::Readback,
+       "contributions"},
       {depths_, rays * DEPTH_WORDS * sizeof(uint32_t), Place::Readback, "depths"}};
   const auto lacks = [](const Need& n) { return n.buffer.bytes() < n.bytes; };
   if (std::none_of(std::begin(needs), std::end(needs), lacks)) return;
@@ -171,13 +175,18 @@ void Lane::load(std::span<const SpawnTile> tiles) {
   std::memcpy(records_.mapped(), tiles.data(), tiles.size_bytes());
 }
 
-void Lane::record(const Step& step, size_t number) {
+void Lane::record(const Step& step, size_t number, VkDescriptorSet scene) {
   std::array<int32_t, PUSH_WORDS> push = step.push;
   putAddress(push, PUSH_STAYING, staying ? staying->address() : 0);
   push[PUSH_STEP] = int32_t(number);
   push[PUSH_ONE] = 1;
   push[PUSH_ROUNDS] = 8;
   commands_.barrier();
+  const VkDescriptorSet read = step.scene ? step.scene : scene;
+  if (read != boundScene_)
+    vkCmdBindDescriptorSets(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), SCENE_SET, 1,
+                            &read, 0, nullptr);
+  boundScene_ = read;
   const VkDescriptorSet set = sets_[int(step.list)].get();
   vkCmdBindDescriptorSets(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), LANE_SET, 1, &set,
                           0, nullptr);
@@ -212,12 +221,13 @@ void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const 
   const VkDescriptorSet sets[2] = {scene, frame};
   vkCmdBindDescriptorSets(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), SCENE_SET, 2, sets,
                           0, nullptr);
+  boundScene_ = scene;
   const VkDeviceSize cut = COUNT_CUT * sizeof(uint32_t);
   if (resumed)
     vkCmdFillBuffer(recording_, counts_.get(), cut, sizeof(uint32_t), 0);
   else
     vkCmdFillBuffer(recording_, counts_.get(), 0, VK_WHOLE_SIZE, 0);
-  for (size_t i = firstStep; i < steps.size(); i++) record(steps[i], i);
+  for (size_t i = firstStep; i < steps.size(); i++) record(steps[i], i, scene);
   commands_.barrier();
   const VkBufferCopy region{0, 0, COUNT_WORDS * sizeof(uint32_t)};
   vkCmdCopyBuffer(recording_, counts_.get(), countsRead_.get(), 1, &region);

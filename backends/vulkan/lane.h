@@ -38,6 +38,7 @@ struct Step {
   Stage stage;
   Special special;
   List list = List::Given;
+  VkDescriptorSet scene = VK_NULL_HANDLE;  ///< read in place of the submission's scene, if there is one
   std::array<int32_t, PUSH_WORDS> push{};  ///< Lane sets PUSH_STEP, PUSH_ONE, PUSH_ROUNDS and PUSH_STAYING
 };
 
@@ -52,9 +53,10 @@ class Lane {
  public:
   Lane(const Device& device, Pipelines& pipelines);
 
-  /// Makes room for `rays` given rays and up to `perHit` secondaries of each. Throws Error if these are more
+  /// Makes room for `rays` given rays and up to `perHit` secondaries of each, and for a sample of `sampleWords` words of each
+  /// (0: none). Throws Error if these are more
   /// than mostRays() together.
-  void reserve(size_t rays, size_t perHit);
+  void reserve(size_t rays, size_t perHit, size_t sampleWords = 0);
   /// Whether it has room for more than `rays` rays, given and made.
   bool isLargerThan(size_t rays) const;
   /// Copies the rays of a packet into the given list, from place `at` on.
@@ -94,7 +96,7 @@ class Lane {
 
  private:
   size_t roomy(size_t bytes) const;
-  void record(const Step& step, size_t number);
+  void record(const Step& step, size_t number, VkDescriptorSet scene);
   void readClock();
 
   const Device& device_;
@@ -102,6 +104,7 @@ class Lane {
   Commands commands_;
   std::optional<Commands> copies_;  ///< for copying staging_
   VkCommandBuffer recording_ = VK_NULL_HANDLE;
+  VkDescriptorSet boundScene_ = VK_NULL_HANDLE;  ///< while steps are recorded
   Buffer lists_[4], leaving_, records_, depths_, counts_, countsRead_, staging_, places_;
   DescriptorSet sets_[4];  ///< index: List
   size_t loaded_ = 0;      ///< number of rays that wait in staging_ to be copied

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "begin_spirv.h"
 #include "bound_spirv.h"
 #include "depth_spirv.h"
 #include "finish_spirv.h"
@@ -13,6 +14,7 @@
 #include "integrate_volumes_spirv.h"
 #include "isosurfaces_spirv.h"
 #include "regenerate_spirv.h"
+#include "sample_spirv.h"
 #include "shade_spirv.h"
 #include "shaders/layout.h"
 #include "slices_spirv.h"
@@ -27,6 +29,8 @@ std::span<const uint32_t> codeOf(Stage stage) {
   switch (stage) {
     case Stage::Spawn:
       return spawn_spirv;
+    case Stage::Begin:
+      return begin_spirv;
     case Stage::Regenerate:
       return regenerate_spirv;
     case Stage::Bound:
@@ -43,6 +47,8 @@ std::span<const uint32_t> codeOf(Stage stage) {
       return integrate_volumes_spirv;
     case Stage::Shade:
       return shade_spirv;
+    case Stage::Sample:
+      return sample_spirv;
     case Stage::Depth:
       return depth_spirv;
     case Stage::Finish:
@@ -60,16 +66,16 @@ Special specialFor(Stage stage, const Special& special) {
   s.addressed = special.addressed;
   s.limited = special.limited;
   const bool reads = stage == Stage::Slices || stage == Stage::Isosurfaces || stage == Stage::Integrate ||
-                     stage == Stage::IntegrateVolumes ||
+                     stage == Stage::IntegrateVolumes || stage == Stage::Sample ||
                      (stage == Stage::Shade && (special.surfaces & SURFACE_FIELDS) != 0);
   if (reads) s.sampleKind = special.sampleKind, s.scalars = special.scalars;
   if (stage == Stage::Integrate || stage == Stage::IntegrateVolumes || stage == Stage::Shade)
     s.mapKind = special.mapKind;
   if (reads || stage == Stage::Geometry || stage == Stage::Shade || stage == Stage::Finish)
     s.operators = special.operators;
-  if (stage == Stage::Spawn || stage == Stage::Integrate || stage == Stage::Shade)
+  if (stage == Stage::Spawn || stage == Stage::Begin || stage == Stage::Integrate || stage == Stage::Shade)
     s.routes = special.routes | ROUTE_ON;
-  if (stage == Stage::Finish) s.routes = special.routes;
+  if (stage == Stage::Finish) s.routes = special.routes, s.surfaces = special.surfaces & SURFACE_SAMPLED;
   if (stage == Stage::Geometry) s.routes = special.routes & ROUTE_ON;
   if (stage == Stage::Shade || stage == Stage::Geometry) s.surfaces = special.surfaces;
   if (stage == Stage::Isosurfaces) s.surfaces = special.surfaces & SURFACE_STARTS;

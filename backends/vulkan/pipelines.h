@@ -18,6 +18,7 @@ namespace gxy::vulkan {
 
 enum class Stage {
   Spawn,
+  Begin,
   Regenerate,
   Bound,
   Geometry,
@@ -26,6 +27,7 @@ enum class Stage {
   Integrate,
   IntegrateVolumes,
   Shade,
+  Sample,
   Depth,
   Finish,
   Groups,

@@ -52,12 +52,22 @@ const OperatorInPartition* shownIn(const CompiledOperator& op, int partition) {
 }
 
 // The blocks of a partition, each once; scenes with the same blocks share them.
-std::vector<const VolumeBlock*> blocksOf(const CompiledScene& scene, int partition) {
+std::vector<const VolumeBlock*> blocksOf(std::span<const CompiledOperator> operators, int partition) {
   std::vector<const VolumeBlock*> blocks;
-  for (const CompiledOperator& op : scene.operators)
+  for (const CompiledOperator& op : operators)
     if (const OperatorInPartition* part = shownIn(op, partition); part && part->block)
       if (std::find(blocks.begin(), blocks.end(), part->block) == blocks.end()) blocks.push_back(part->block);
   return blocks;
+}
+
+// Whether the act of a sampling is to find the blocks of the scene's operators beside those of its fields: it reads them for
+// gradients. If they hold all fields, the samples are those that the scene has on the device.
+bool needsBlocksOfScene(const CompiledSampling& sampling, int partition) {
+  const std::vector<const VolumeBlock*> there = blocksOf(sampling.scene->operators, partition),
+                                        read = blocksOf(sampling.views, partition);
+  return sampling.gradient || std::all_of(read.begin(), read.end(), [&](const VolumeBlock* block) {
+           return std::find(there.begin(), there.end(), block) != there.end();
+         });
 }
 
 // The geometry of each operator in a partition, or null; scenes with the same geometry share it.
@@ -95,6 +105,12 @@ class Places {
     return place;
   }
   const std::vector<std::pair<const VolumeBlock*, uint32_t>>& blocks() const { return blocks_; }
+  /// The key of what scenes share.
+  std::vector<const VolumeBlock*> listOfBlocks() const {
+    std::vector<const VolumeBlock*> list;
+    for (const auto& [block, place] : blocks_) list.push_back(block);
+    return list;
+  }
   size_t sampleBytes() const { return sampleBytes_; }
 
  private:
@@ -108,9 +124,8 @@ class Uploading {
  public:
   Uploading(const Device& device, const CompiledScene& scene, int partition, int rank, const Advance& advance)
       : device_(device), scene_(scene), partition_(partition), advance_(advance) {
-    out_.partition = partition;
+    begin();
     primitives_ = geometryOf(scene, partition);
-    out_.special.limited = device.endsLoops();
     out_.special.routes = 0;
     if (!scene.opaqueSurfaces) out_.special.routes |= ROUTE_ON;
     if (partition < 0 ||
@@ -132,13 +147,27 @@ class Uploading {
       if (op.vis.type == VisType::Volume && op.vis.volumeRendering) rendered_.push_back(int32_t(i));
     }
     out_.volumeList = tables_.add(rendered_);
-    std::vector<uint32_t> mine(scene.visible.size());
-    for (size_t p = 0; p < mine.size(); p++)
-      mine[p] = scene.visible[p] && scene.partitioning->owner(int(p)) == rank;
-    out_.mine = tables_.add(mine);
-    fillSceneView(view_, scene, partition, inTables_);
-    view_.operators = int(scene.operators.size());
-    specialize();
+    end(rank);
+  }
+
+  // For the act of a sampling, which reads no more of the operators than isovalues and samples.
+  Uploading(const Device& device, const CompiledSampling& sampling, int partition, int rank,
+            const Advance& advance)
+      : device_(device), scene_(*sampling.scene), partition_(partition), advance_(advance) {
+    begin();
+    isScene_ = false;
+    const bool ofScene = needsBlocksOfScene(sampling, partition);
+    const auto add = [&](const CompiledOperator& op, bool withBlock) {
+      const OperatorInPartition* part = shownIn(op, partition);
+      OperatorInPartition only;
+      if (part && withBlock) only.block = part->block;
+      if (only.block) checkNumbering(only.block->extent.points, op.data.volume->components);
+      fillVolumeView(fields_.emplace_back(), op, &only, inTables_);
+      fillOperatorView(operators_.emplace_back(), op, inTables_);
+    };
+    for (const CompiledOperator& op : scene_.operators) add(op, ofScene);
+    for (const CompiledOperator& field : sampling.views) add(field, true);
+    end(rank);
   }
 
   PartitionOnDevice finish(const Pipelines& pipelines, SharedData& shared) {
@@ -173,7 +202,7 @@ class Uploading {
       if (!sections[i].empty()) upload(device_, out_.scene, at[i], sections[i]);
     if (!inTables_.blocks().empty()) {
       out_.samples = shared.samples.get(
-          blocksOf(scene_, partition_), [&] { return makeSamples(); }, [&] { advance_(0.5); });
+          inTables_.listOfBlocks(), [&] { return makeSamples(); }, [&] { advance_(0.5); });
     }
     const VkDeviceAddress addresses[3] = {out_.scene.address() + at[3],
                                           out_.samples ? out_.samples->buffer.address() : 0,
@@ -224,6 +253,21 @@ class Uploading {
   }
 
  private:
+  void begin() {
+    out_.partition = partition_;
+    out_.special.limited = device_.endsLoops();
+  }
+
+  void end(int rank) {
+    std::vector<uint32_t> mine(scene_.visible.size());
+    for (size_t p = 0; p < mine.size(); p++)
+      mine[p] = scene_.visible[p] && scene_.partitioning->owner(int(p)) == rank;
+    out_.mine = tables_.add(mine);
+    fillSceneView(view_, scene_, partition_, inTables_);
+    view_.operators = int(scene_.operators.size());
+    specialize();
+  }
+
   SamplesOnDevice makeSamples() const {
     SamplesOnDevice made{Buffer(device_, inTables_.sampleBytes(), Place::Device, "volumes"), {}};
     const Advance uploading = partOf(advance_, 1, 2);
@@ -231,7 +275,7 @@ class Uploading {
     for (size_t i = 0; i < blocks.size(); i++)
       upload(device_, made.buffer, size_t(blocks[i].second) * 16, blocks[i].first->samples,
              partOf(uploading, i, blocks.size()));
-    made.charge = Charge(device_, made.buffer.bytes());
+    if (isScene_) made.charge = Charge(device_, made.buffer.bytes());
     return made;
   }
 
@@ -292,6 +336,7 @@ class Uploading {
   const CompiledScene& scene_;
   const int partition_;
   const Advance& advance_;
+  bool isScene_ = true;  // whether a scene accounts for what is made
   PartitionOnDevice out_;
   Words tables_;
   Places inTables_{tables_};
@@ -321,10 +366,17 @@ void expectRoom(const Device& device, const SharedData& shared, const CompiledSc
     if (bytes > 0 && !sharedBy.has(all)) sizes.push_back(bytes);
   };
   for (const int p : partitions) {
-    add(blocksOf(scene, p), shared.samples, [](const VolumeBlock& block) { return block.samples.size(); });
+    add(blocksOf(scene.operators, p), shared.samples,
+        [](const VolumeBlock& block) { return block.samples.size(); });
     add(geometryOf(scene, p), shared.geometry, [](const GeometryInPartition& part) { return part.bytes(); });
   }
   if (sizes.size() > 1) device.expectRoom(sizes, "the scene's volumes and geometry");
+}
+
+PartitionOnDevice uploadFields(const Device& device, const Pipelines& pipelines, SharedData& shared,
+                               const CompiledSampling& sampling, int partition, int rank) {
+  const Advance advance = [](double) {};
+  return Uploading(device, sampling, partition, rank, advance).finish(pipelines, shared);
 }
 
 PartitionOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedData& shared,

@@ -8,7 +8,7 @@
 
 #include "backends/vulkan/pipelines.h"
 #include "backends/vulkan/shader_views.h"
-#include "core/rays/compiled_scene.h"
+#include "core/rays/compiled_sampling.h"
 #include "core/space/shared_by.h"
 
 namespace gxy::vulkan {
@@ -89,5 +89,10 @@ void expectRoom(const Device& device, const SharedData& shared, const CompiledSc
 PartitionOnDevice uploadPart(
     const Device& device, const Pipelines& pipelines, SharedData& shared, const CompiledScene& scene,
     int partition, int rank, const Advance& advance = [](double) {});
+
+/// Copies what the act of a sampling reads of a partition: fields[] are those of the scene's operators, then those of the sampling;
+/// there is no geometry. Throws Error if the device has no room for it.
+PartitionOnDevice uploadFields(const Device& device, const Pipelines& pipelines, SharedData& shared,
+                               const CompiledSampling& sampling, int partition, int rank);
 
 }  // namespace gxy::vulkan

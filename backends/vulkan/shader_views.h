@@ -12,6 +12,7 @@ using uint = std::uint32_t;
 // clang-format off
 #include "core/kernels/volume_view.h"
 #include "core/kernels/scene_view.h"
+#include "core/kernels/sampling_view.h"
 // clang-format on
 #undef GXY_LAYOUT
 #undef PTR

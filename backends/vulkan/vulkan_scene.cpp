@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "backends/vulkan/vulkan_scene.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cstring>
 #include <iterator>
@@ -34,6 +36,7 @@ class Joined {
       append(all_.leaving, part.leaving);
       append(all_.contributions, part.contributions);
       append(all_.depths, part.depths);
+      all_.samples.append(std::move(part.samples));
       all_.retired += part.retired;
       all_.created += part.created;
       all_.counters += part.counters;
@@ -78,7 +81,7 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
                  context_->device.isSoftware() ? kTile * kTile : int(batchRaysOf(context_->device))) {
   const auto& operators = scene_->operators;
   for (size_t i = 0; i < operators.size(); i++) {
-    if (!operators[i].slices.empty()) slicedOperators_.push_back(int(i));
+    if (!operators[i].slices.empty() || operators[i].every > 0) slicedOperators_.push_back(int(i));
     if (!operators[i].isovalues.empty()) isoOperators_.push_back(int(i));
     isClipped_ = isClipped_ || !operators[i].clips.empty();
     if (operators[i].vis.type == VisType::Volume && operators[i].vis.volumeRendering)
@@ -102,7 +105,7 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
   size_t bytes = anywhere_.scene.bytes();
   for (const auto& [p, part] : parts_) bytes += part.scene.bytes();
   charge_ = Charge(context_->device, bytes);
-  compile(advance);
+  if (!scene_->sampled) compile(advance);
 }
 
 // The steps are those of batches (batch.cpp). If there is one partition, its rays are spawned in it; if there
@@ -161,6 +164,42 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
   return frame;
 }
 
+std::shared_ptr<const DeviceFrame> VulkanScene::makeSampling(
+    std::shared_ptr<const CompiledSampling> sampling) const {
+  std::vector<int> partitions;
+  for (const auto& [p, part] : parts_) partitions.push_back(p);
+  auto frame = std::make_shared<VulkanFrame>();
+  try {
+    frame->sampling = std::make_unique<const VulkanSampling>(
+        context_->device, context_->pipelines, context_->shared, std::move(sampling), partitions, rank_);
+    const std::vector<int32_t> view = frame->sampling->view();
+    const auto bytes = std::as_bytes(std::span(view));
+    // The shader's array begins right behind the structure, and is never empty.
+    frame->buffer = Buffer(context_->device, bytes.size() + 16, Place::Written, "a sampling");
+    std::memcpy(frame->buffer.mapped(), bytes.data(), bytes.size());
+    const Binding buffer{{frame->buffer.get(), 0, VK_WHOLE_SIZE}};
+    frame->set =
+        DescriptorSet(context_->device, context_->pipelines.setLayout(FRAME_SET), std::span(&buffer, 1));
+    std::vector<Step> steps{beginStep(spawningPart(), 1)};
+    for (const auto& [p, part] : parts_)
+      addSteps(steps, part, *frame, List::Given, ~COUNT_ACTIVE_SECONDARIES, false, true);
+    for (const Step& step : steps)
+      frame->pipelines.push_back(context_->pipelines.get(step.stage, step.special));
+  } catch (const Error& error) {
+    spdlog::warn("device \"{}\" cannot sample: {}", deviceName(), error.what());
+    return nullptr;
+  }
+  frame->number = ++context_->frames;
+  frame->time = &context_->time;
+  return frame;
+}
+
+void VulkanScene::spawnRays(const DeviceFrame& deviceFrame, RayList rays, Done done) const {
+  const auto& frame = static_cast<const VulkanFrame&>(deviceFrame);
+  askInParts({this, &spawningPart(), &frame, DeviceTask::Kind::Begin, std::move(rays), {}, {}}, 0,
+             std::move(done));
+}
+
 void VulkanScene::spawn(const DeviceFrame& deviceFrame, const SpawnTile& tile, Done done) const {
   const auto& frame = static_cast<const VulkanFrame&>(deviceFrame);
   const PartitionOnDevice& part = spawningPart();
@@ -193,14 +232,18 @@ void VulkanScene::trace(const DeviceFrame& deviceFrame, int partition, bool prim
                 ", which has nothing to see on this rank");
   const auto kind = primary ? DeviceTask::Kind::Primaries : DeviceTask::Kind::Secondaries;
   const auto size = uint64_t(rays.size());
+  askInParts({this, &part->second, &frame, kind, std::move(rays), {}, {}}, size, std::move(done));
+}
+
+// `rays`, here and below: how many have ended if the device fails.
+void VulkanScene::askInParts(DeviceTask whole, uint64_t rays, Done done) const {
   std::vector<DeviceTask> parts;
-  DeviceTask whole{this, &part->second, &frame, kind, std::move(rays), {}, {}};
-  if (const size_t most = mostAtOnce(whole); size > most)
+  if (const size_t most = mostAtOnce(whole); whole.size() > most)
     for (RayList& some : whole.rays.split(int(most)))
-      parts.push_back({this, &part->second, &frame, kind, std::move(some), {}, {}});
+      parts.push_back({this, whole.part, whole.frame, whole.kind, std::move(some), {}, {}});
   else
     parts.push_back(std::move(whole));
-  ask(std::move(parts), size, std::move(done));
+  ask(std::move(parts), rays, std::move(done));
 }
 
 // The most rays of a request that fit a list with all secondaries that they may make. At least one: the
@@ -222,6 +265,7 @@ void VulkanScene::ask(std::vector<DeviceTask> parts, uint64_t rays, Done done) c
 
 size_t VulkanScene::secondariesPerHit(const VulkanFrame& frame) const {
   const Lighting& lighting = scene_->visualization.lighting;
+  if (frame.sampling) return 0;
   return size_t((lighting.shadows ? frame.lights : 0) + lighting.aoCount);
 }
 
@@ -245,6 +289,14 @@ Step VulkanScene::spawnStep(const PartitionOnDevice& part, int tiles) {
   return step;
 }
 
+Step VulkanScene::beginStep(const PartitionOnDevice& part, int rays) {
+  Step step{Stage::Begin, part.special};
+  step.push[PUSH_RAYS] = rays;
+  step.push[PUSH_PARTITION] = part.partition;
+  step.push[PUSH_MINE] = int32_t(part.mine);
+  return step;
+}
+
 void VulkanScene::addSteps(std::vector<Step>& steps, const PartitionOnDevice& part, const VulkanFrame& frame,
                            List list, int32_t rays, bool primary, bool complete) const {
   const auto add = [&](Stage stage, const Special& special, int32_t op = 0, int32_t count = 0) {
@@ -264,7 +316,7 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartitionOnDevice& pa
   if (part.geometryKinds != 0) {
     Special meets = special;
     meets.surfaces = part.geometryKinds | clipped | (context_->countsNodes ? SURFACE_COUNTS : 0);
-    meets.anyHit = !primary && scene_->opaqueSurfaces;
+    meets.anyHit = !primary && !frame.sampling && scene_->opaqueSurfaces;
     add(Stage::Geometry, meets);
   }
   for (int op : slicedOperators_)
@@ -282,8 +334,16 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartitionOnDevice& pa
   }
   Special shades = special;
   shades.surfaces = part.geometryKinds | (surfacesInVolumes_ ? SURFACE_FIELDS : 0);
-  add(Stage::Finish, special);
-  if (primary && shades.surfaces != 0) {
+  Special ends = special;
+  ends.surfaces = frame.sampling ? SURFACE_SAMPLED : 0;
+  add(Stage::Finish, ends);
+  if (frame.sampling && shades.surfaces != 0) {
+    const PartitionOnDevice& fields = frame.sampling->part(part.partition);
+    rays = ~COUNT_SHADED;
+    add(Stage::Groups, special);
+    add(Stage::Sample, fields.special);
+    steps.back().scene = fields.set.get();
+  } else if (primary && shades.surfaces != 0) {
     shades.surfaces |= clipped | (secondariesPerHit(frame) > 0 ? SURFACE_CASTS : 0);
     rays = ~COUNT_SHADED;
     add(Stage::Groups, special);
@@ -294,11 +354,11 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartitionOnDevice& pa
 
 void VulkanScene::addTimes(TraceCounters& c, const Lane& lane) {
   const auto spent = [&](Stage stage) { return lane.nanoseconds(stage); };
-  c.nsSpawn += spent(Stage::Spawn);
+  c.nsSpawn += spent(Stage::Spawn) + spent(Stage::Begin);
   c.nsGeometry += spent(Stage::Geometry);
   c.nsSurfaces += spent(Stage::Slices) + spent(Stage::Isosurfaces);
   c.nsIntegrate += spent(Stage::Integrate) + spent(Stage::IntegrateVolumes);
-  c.nsShade += spent(Stage::Shade) + spent(Stage::Depth) + spent(Stage::Finish);
+  c.nsShade += spent(Stage::Shade) + spent(Stage::Sample) + spent(Stage::Depth) + spent(Stage::Finish);
   c.nsRoute += spent(Stage::Regenerate) + spent(Stage::Bound) + spent(Stage::Groups) + spent(Stage::Take);
 }
 

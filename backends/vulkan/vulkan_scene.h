@@ -10,6 +10,7 @@
 #include "backends/vulkan/lane.h"
 #include "backends/vulkan/scene_upload.h"
 #include "backends/vulkan/tracer.h"
+#include "backends/vulkan/vulkan_sampling.h"
 #include "core/rays/backend.h"
 #include "core/rays/packet_size.h"
 
@@ -40,7 +41,9 @@ struct VulkanFrame final : DeviceFrame {
   int lights = 0;
   bool depth = false;
   double worldPerRender = 1;
-  mutable uint64_t lastTurn = 0;  ///< for the Tracer, guarded by its lock
+  std::unique_ptr<const VulkanSampling> sampling;  ///< null unless its rays sample
+  std::vector<Pipeline> pipelines;                 ///< of a sampling: those that only it needs
+  mutable uint64_t lastTurn = 0;                   ///< for the Tracer, guarded by its lock
 };
 
 class VulkanScene final : public DeviceScene {
@@ -50,6 +53,9 @@ class VulkanScene final : public DeviceScene {
       const Advance& advance = [](double) {});
 
   std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override;
+  /// Null if the device has no room for the fields. The reason is logged.
+  std::shared_ptr<const DeviceFrame> makeSampling(std::shared_ptr<const CompiledSampling>) const override;
+  void spawnRays(const DeviceFrame& frame, RayList rays, Done done) const override;
   void spawn(const DeviceFrame& frame, const SpawnTile& tile, Done done) const override;
   void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override;
   size_t bytes() const override { return charge_.bytes(); }
@@ -60,6 +66,7 @@ class VulkanScene final : public DeviceScene {
   /// device knows it, `rays` is negative: the bitwise complement of the index of a count, as ~COUNT_SPAWNED.
   void addSteps(std::vector<Step>& steps, const PartitionOnDevice& part, const VulkanFrame& frame, List list,
                 int32_t rays, bool primary, bool complete) const;
+  static Step beginStep(const PartitionOnDevice& part, int rays);
   static Step spawnStep(const PartitionOnDevice& part, int tiles);
   /// Adds the times of a lane's stages.
   static void addTimes(TraceCounters& counters, const Lane& lane);
@@ -84,6 +91,7 @@ class VulkanScene final : public DeviceScene {
   /// The part in which primaries are spawned.
   const PartitionOnDevice& spawningPart() const;
   size_t mostAtOnce(const DeviceTask& request) const;
+  void askInParts(DeviceTask whole, uint64_t rays, Done done) const;
   void ask(std::vector<DeviceTask> parts, uint64_t rays, Done done) const;
 
   std::shared_ptr<Context> context_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The properties of RaySampler.
+#include <algorithm>
 #include <glm/geometric.hpp>
+#include <iterator>
 
 #include "core/analysis/ray_filter.h"
 #include "core/rays/compiled_sampling.h"
@@ -31,6 +33,84 @@ const Schema<RayCondition>& rayConditionSchema() {
            })
            .require()}};
   return schema;
+}
+
+using RayNext = RaySampler::Next;
+constexpr const char* kRedirects[] = {"gradient", "against gradient", "field", "mirror",
+                                      "refract",  "direction",        "random"};
+constexpr const char* kRedirectWords =
+    "gradient, against gradient, field, mirror, refract, direction or random";
+constexpr const char* kNextWords = "\"stop\", \"continue\", or an object with either `redirect` or `spawn`";
+
+KeyRow<RayNext> eitherKey(const char* name, const char* first, const char* second, bool RayNext::*member,
+                          const char* meaning) {
+  const std::string type = std::string(first) + " or " + second;
+  return customKey<RayNext>(
+      name, type, meaning,
+      [=](const Found& found, RayNext& next) {
+        if (found.text() != first && found.text() != second) found.fail(type);
+        next.*member = found.text() == second;
+      },
+      [=](const RayNext& next) { return OrderedJson(next.*member ? second : first); });
+}
+
+const Schema<RayNext>& rayNextSchema() {
+  static const Schema<RayNext> schema{
+      "next",
+      {customKey<RayNext>(
+           "redirect", kRedirectWords, "The way that the ray goes on.",
+           [](const Found& found, RayNext& next) {
+             next.redirect = found.text();
+             if (std::count(std::begin(kRedirects), std::end(kRedirects), next.redirect) == 0)
+               found.fail(kRedirectWords);
+           },
+           [](const RayNext& next) {
+             return next.redirect.empty() ? OrderedJson() : OrderedJson(next.redirect);
+           }),
+       customKey<RayNext>(
+           "spawn", "integer 1 to 65536", "How many rays begin.",
+           [](const Found& found, RayNext& next) {
+             next.spawn = found.integer({1, 65536});
+           },
+           [](const RayNext& next) { return next.spawn > 0 ? OrderedJson(next.spawn) : OrderedJson(); }),
+       textKey("field", &RayNext::field, "The input of a gradient, or the vector field."),
+       numberKey("n1", &RayNext::n1, kPositive, "The refractive index where values are lower."),
+       numberKey("n2", &RayNext::n2, kPositive, "The refractive index where values are higher."),
+       vectorKey("direction", &RayNext::direction, "The direction."),
+       eitherKey("over", "hemisphere", "sphere", &RayNext::sphere, "Where directions lie."),
+       eitherKey("distribution", "cosine", "uniform", &RayNext::uniform, "How they are distributed.")}};
+  return schema;
+}
+
+void readNext(const Found& found, RayTarget& target) {
+  RayNext next;
+  if (const std::string* word = found.value.string()) {
+    if (*word != "stop" && *word != "continue") found.fail(kNextWords);
+    next.goesOn = *word == "continue";
+  } else if (found.value.object()) {
+    readObject(found.context, found.value, rayNextSchema(), next);
+    if (next.redirect.empty() == (next.spawn == 0)) found.fail(kNextWords);
+    if (next.redirect == "refract" && !(next.n1 > 0 && next.n2 > 0))
+      found.fail("refraction with `n1` and `n2`, numbers > 0");
+    if (next.redirect == "field" && next.field.empty()) found.fail("the vector field as `field`");
+    if (next.redirect == "direction" && glm::length(next.direction) == 0)
+      found.fail("a `direction` that is not 0");
+  } else {
+    found.fail(kNextWords);
+  }
+  target.next = next;
+}
+
+OrderedJson writeNext(const RayTarget& target) {
+  const RayNext& next = target.next;
+  if (next.goesOn) return "continue";
+  if (next.redirect.empty() && next.spawn == 0) return {};
+  OrderedJson out = writeObject(next, rayNextSchema());
+  // What was not given is not saved.
+  for (const char* name : {"n1", "n2"})
+    if (out.contains(name) && out[name] == 0) out.erase(name);
+  if (next.direction == glm::dvec3(0)) out.erase("direction");
+  return out;
 }
 
 KeyRow<RayTarget> planesKey(const char* name, std::vector<Plane> RayTarget::*member, const char* meaning) {
@@ -75,8 +155,21 @@ const Schema<RayTarget>& rayTargetSchema() {
              for (const RayCondition& c : t.conditions) out.push_back(writeObject(c, rayConditionSchema()));
              return out;
            }),
-       integerKey("hits", &RayTarget::hits, {1, double(kMostHits)},
-                  "A ray ends here once it has so many hits, of any operators.")}};
+       customKey<RayTarget>(
+           "every", "number > 0", "Rays meet the volume at each multiple of this length.",
+           [](const Found& found, RayTarget& t) { t.every = found.number(kPositive); },
+           [](const RayTarget& t) { return t.every > 0 ? OrderedJson(t.every) : OrderedJson(); })
+           .byDefault("none"),
+       customKey<RayTarget>(
+           "hits", "integer 1 to 65535", "A ray ends here once it has so many hits, of any operators.",
+           [](const Found& found, RayTarget& t) {
+             t.hits = found.integer({1, double(kMostHits)});
+           },
+           [](const RayTarget& t) { return t.hits ? OrderedJson(*t.hits) : OrderedJson(); })
+           .byDefault("1"),
+       customKey<RayTarget>("next", kNextWords, "What follows the hit with which a ray ends here.", readNext,
+                            writeNext)
+           .byDefault("\"stop\"")}};
   return schema;
 }
 
@@ -93,11 +186,11 @@ std::vector<KeyRow<RaySampler>> RaySampler::properties() {
   return {
       customKey<RaySampler>(
           "operators", "list of objects",
-          "What rays meet. Each has `dataset`, an input, with `isovalues` or `planes` of a volume; and may "
-          "have `component`, `clipplanes`, "
-          "`conditions`, each with `field`, an input, and `range`, all of which must hold where a hit is to "
-          "count, and `hits`: "
-          "a ray ends here once it has so many, 1 by default.",
+          "What rays meet. Each has `dataset`, an input, with `isovalues`, `planes` or `every` (a length) of "
+          "a "
+          "volume; and may have `component`, `clipplanes`, `conditions`, each with `field`, an input, and "
+          "`range`, all of which must hold where a hit is to count, `hits`: a ray ends here once it has so "
+          "many, 1 by default, or 65535 with `every`, and `next`: what follows then.",
           [](const Found& found, RaySampler& s) {
             for (const Found& item : found.list("a list of operators"))
               readObject(item.context, item.value, rayTargetSchema(), s.operators.emplace_back());
@@ -129,12 +222,21 @@ std::vector<KeyRow<RaySampler>> RaySampler::properties() {
           .byDefault("none"),
       textKey("points", &RaySampler::points, "The input from whose particles rays begin, in `direction`."),
       customKey<RaySampler>(
-          "direction", "[x, y, z]", "The direction of rays from `points`.",
+          "direction", "[x, y, z], or text",
+          "The direction of rays from `points`, or an input, a volume of three components: then each ray has "
+          "the direction of that field at its point, and there is none where the field is 0 or has no data.",
           [](const Found& found, RaySampler& s) {
+            if (const std::string* name = found.value.string()) {
+              s.directionField = *name;
+              if (name->empty()) found.fail("[x, y, z], or the name of an input");
+              return;
+            }
             s.direction = found.vec3();
             if (glm::length(s.direction) == 0) found.fail("a direction that is not 0");
           },
-          [](const RaySampler& s) { return toJson(s.direction); }),
+          [](const RaySampler& s) {
+            return s.directionField.empty() ? toJson(s.direction) : OrderedJson(s.directionField);
+          }),
       customKey<RaySampler>(
           "camera", "object, as in `Cameras`", "A camera: one ray through the middle of each of its pixels.",
           [](const Found& found, RaySampler& s) { s.camera = readCamera(found); },
@@ -160,8 +262,10 @@ std::vector<KeyRow<RaySampler>> RaySampler::properties() {
           "gradient", &RaySampler::gradient,
           "Whether points get the gradient of the volume that was met, per unit of the world, as their field "
           "`gradient`."),
+      integerKey("depth", &RaySampler::depth, {0, 8},
+                 "How many generations of rays may follow the first, by the `next` of operators."),
       integerKey("seed", &RaySampler::seed, {0, 2147483647},
-                 "Chooses the random numbers of `lines`. The same seed gives the same lines."),
+                 "Chooses the random numbers of `lines` and of `next`. The same seed gives the same rays."),
   };
 }
 

@@ -13,19 +13,6 @@ namespace {
 
 constexpr float kNoEnd = 1e30f;
 
-void setRay(const RayView& view, int i, uint64_t number, const glm::vec3& origin, const glm::vec3& direction,
-            float length) {
-  view.pixel[i] = uint32_t(number);
-  view.sr[i] = int32_t(uint32_t(number >> 32));
-  view.info[i] = RAY_SAMPLE << 16;
-  view.start[i] = 0;
-  view.ox[i] = origin.x, view.oy[i] = origin.y, view.oz[i] = origin.z;
-  view.dx[i] = direction.x, view.dy[i] = direction.y, view.dz[i] = direction.z;
-  view.tMax[i] = length;
-  view.sg[i] = 0;
-  view.sb[i] = 0;
-}
-
 // Cuts [t0, t1] to where the ray is in the box; empty if it misses.
 void cutTo(const Box& box, const glm::dvec3& origin, const glm::dvec3& direction, double& t0, double& t1) {
   for (int a = 0; a < 3; a++) {
@@ -47,6 +34,18 @@ uint64_t chunksOf(uint64_t rays, uint64_t rank, uint64_t ranks) {
 
 }  // namespace
 
+void setRay(const RayView& view, int i, const BeginningRay& ray) {
+  view.pixel[i] = uint32_t(ray.number);
+  view.sr[i] = int32_t(uint32_t(ray.number >> 32));
+  view.info[i] = ray.info;
+  view.start[i] = ray.start;
+  view.ox[i] = ray.origin.x, view.oy[i] = ray.origin.y, view.oz[i] = ray.origin.z;
+  view.dx[i] = ray.direction.x, view.dy[i] = ray.direction.y, view.dz[i] = ray.direction.z;
+  view.tMax[i] = ray.length;
+  view.sg[i] = int32_t(ray.depth);
+  view.sb[i] = 0;
+}
+
 size_t UniformLines::chunks() const { return chunksOf(end_ - first_, rank_, ranks_); }
 
 int UniformLines::raysOf(size_t chunk) const {
@@ -63,7 +62,7 @@ RayList UniformLines::rays(size_t chunk, const RenderSpace& space) const {
     glm::vec3 start, direction;
     single::randomLine(uint32_t(seed_), uint32_t(seed_ >> 32), uint32_t(number), uint32_t(number >> 32), size,
                        start, direction);
-    setRay(list.view(), i, number, lo + start, direction, kNoEnd);
+    setRay(list.view(), i, {number, 0, lo + start, direction});
   }
   return list;
 }
@@ -78,8 +77,9 @@ RayList MappedRays::rays(size_t chunk, const RenderSpace& space) const {
     cutTo(within_, ray.origin, direction, t0, t1);
     if (!(t0 <= t1)) continue;
     const double length = (ray.length - t0) * space.scale;
-    setRay(list.view(), n++, ray.number, space.toRender(ray.origin + t0 * direction), direction,
-           float(std::min(length, double(kNoEnd))));
+    setRay(list.view(), n++,
+           {ray.number, 0, space.toRender(ray.origin + t0 * direction), direction,
+            float(std::min(length, double(kNoEnd)))});
   }
   list.resize(n);
   return list;

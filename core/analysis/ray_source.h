@@ -18,6 +18,18 @@
 
 namespace gxy {
 
+/// A ray of a sampling as it begins, in render space.
+struct BeginningRay {
+  uint64_t number = 0;
+  uint32_t depth = 0;                       ///< how many rays it descends from
+  glm::vec3 origin{0}, direction{0, 0, 1};  ///< of length 1
+  float length = 1e30f;
+  uint32_t info = RAY_SAMPLE << 16, start = 0;  ///< as in ray_fields.h
+};
+
+/// Sets the fields of ray i that DeviceScene::spawnRays() reads.
+void setRay(const RayView& view, int i, const BeginningRay& ray);
+
 /// The rays that one rank begins, in chunks. All ranks together begin all rays of a sampling, each of them once. Immutable, thread
 /// safe.
 class RaySource {

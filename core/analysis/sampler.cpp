@@ -161,6 +161,7 @@ std::shared_ptr<const Sampling> Sampler::prepare(SamplingSource source, Collecti
                                                  const EnterMemory& enter,
                                                  const SceneBuilder::OnItem& onItem) {
   source.scene.visualization = forSampling(std::move(source.scene.visualization));
+  source.scene.sampled = true;
   const auto samplesEverywhere = [&ranks](const Sampling& made) {
     const auto all = gatherValues<uint8_t>(ranks, std::array{uint8_t(made.frame != nullptr)});
     return std::all_of(all.begin(), all.end(), [](const auto& one) { return one[0] != 0; });
@@ -183,7 +184,7 @@ std::shared_ptr<Sampling> Sampler::build(SceneBuilder& builder, SamplingSource s
   sampling->scene = builder.build(std::move(source.scene), ranks, enter, onItem);
   agree(ranks, [&] {
     sampling->compiled = compileSampling(sampling->scene.compiled, std::move(source.fields), source.recorded,
-                                         std::move(source.rules), source.gradient);
+                                         std::move(source.rules), source.gradient, source.met);
     sampling->frame = sampling->scene.device->makeSampling(sampling->compiled);
   });
   return sampling;

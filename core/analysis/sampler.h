@@ -25,6 +25,7 @@ struct SamplingSource {
   std::vector<SampledField> fields;  ///< the first `recorded` are stored, the others are for conditions
   int recorded = 0;
   bool gradient = false;
+  bool met = false;            ///< SampleList::met is stored
   std::vector<HitRule> rules;  ///< by operator
   Priority priority;           ///< whose turn the work is done in; the same on all ranks
   std::string account;         ///< the ledger's tenant for rays; empty: that of Sampler::Options

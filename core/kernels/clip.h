@@ -38,6 +38,7 @@ struct LastHit {
   uint number;
 };
 
+#define STEPS 0x40000000u        // the number of all steps of an operator, above those of its slices
 #define ISOSURFACES 0x80000000u  // the number of all isosurfaces of an operator, above those of its slices
 
 // The number of a surface among those of its operator: that of the primitive or slice, or ISOSURFACES.

@@ -22,6 +22,25 @@ FN real hitSlice(VOLUME v, VolumeRay ray, vec3 o, vec3 d, vec3 n, real offset, r
   return hit;
 }
 
+// The first t in [tIn, tOut) that is greater than tLast and a multiple of `every`, but not 0, and at which the
+// volume has data; NO_HIT if there is none. The k-th multiple is the same number in all partitions.
+FN real hitStep(VOLUME v, VolumeRay ray, real every, real tIn, real tOut, real tLast) {
+  real hit = NO_HIT;
+  if (ray.t0 <= ray.t1) {
+    real from = max(max(max(tIn, tLast), ray.t0), every);
+    real k = max(floor(min(from, ray.t1) / every) - R(1.0), R(1.0));
+    real t = k * every;
+    while (hit == NO_HIT && t < tOut && t <= ray.t1) {
+      if (t >= tIn && t > tLast && t >= ray.t0) {
+        if (holdsData(cellValues(v, cellMet(v, ray.g, t)))) hit = t;
+      }
+      k += R(1.0);
+      t = k * every;
+    }
+  }
+  return hit;
+}
+
 // The first isosurface at t in [tIn, tOut) that is greater than tLast and not behind tHit.
 FN IsoHit hitIsosurface(VOLUME v, vec3 o, vec3 d, real tIn, real tOut, real tLast, real tHit, IsoStart start,
                         INOUT(int) cells, INOUT(int) skipped) {

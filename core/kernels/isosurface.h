@@ -473,3 +473,16 @@ FN vec3 gradientIn(VOLUME v, ivec3 c, vec3 p) {
 }
 
 FN vec3 gradientAt(VOLUME v, vec3 p) { return gradientIn(v, cellAt(v, p), p); }
+
+// The gradient of the trilinear interpolant itself at p in cell c, per unit of render space.
+FN vec3 cellGradientIn(VOLUME v, ivec3 c, vec3 p) {
+  CellValues k = cellValues(v, c);
+  vec3 f = fractionIn(c, p);
+  real x =
+      lerp1(lerp1(k.v100 - k.v000, k.v110 - k.v010, f.y), lerp1(k.v101 - k.v001, k.v111 - k.v011, f.y), f.z);
+  real y =
+      lerp1(lerp1(k.v010 - k.v000, k.v110 - k.v100, f.x), lerp1(k.v011 - k.v001, k.v111 - k.v101, f.x), f.z);
+  real z =
+      lerp1(lerp1(k.v001 - k.v000, k.v101 - k.v100, f.x), lerp1(k.v011 - k.v010, k.v111 - k.v110, f.x), f.y);
+  return make_v3(x * v.inverseX, y * v.inverseY, z * v.inverseZ);
+}

@@ -14,6 +14,7 @@ struct OperatorView {
   int twoSided;
   int slices;
   PTR(real) slice;  // 4 per plane: n . p = offset
+  real every;       // distance between the places that rays of a sampling meet; 0: none
   uint primitives;
   PTR(real) points;      // x y z radius
   PTR(real) normals;     // x y z per point, or null

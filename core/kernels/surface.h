@@ -86,19 +86,6 @@ FN Surface triangleSurface(OPERATOR op, uint p, vec3 o, vec3 d, real after) {
   return f;
 }
 
-// The gradient of the trilinear interpolant itself at p in cell c, per unit of render space.
-FN vec3 cellGradientIn(VOLUME v, ivec3 c, vec3 p) {
-  CellValues k = cellValues(v, c);
-  vec3 f = fractionIn(c, p);
-  real x =
-      lerp1(lerp1(k.v100 - k.v000, k.v110 - k.v010, f.y), lerp1(k.v101 - k.v001, k.v111 - k.v011, f.y), f.z);
-  real y =
-      lerp1(lerp1(k.v010 - k.v000, k.v110 - k.v100, f.x), lerp1(k.v011 - k.v001, k.v111 - k.v101, f.x), f.z);
-  real z =
-      lerp1(lerp1(k.v001 - k.v000, k.v101 - k.v100, f.x), lerp1(k.v011 - k.v010, k.v111 - k.v110, f.x), f.y);
-  return make_v3(x * v.inverseX, y * v.inverseY, z * v.inverseZ);
-}
-
 // A slice or an isosurface (by hitKind), number `index` of the operator, met at t.
 FN Surface fieldSurface(OPERATOR op, VOLUME v, int hitKind, uint index, vec3 o, vec3 d, real t) {
   Surface f;

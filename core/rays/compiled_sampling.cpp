@@ -13,22 +13,6 @@ namespace {
 
 int componentOf(const SampledField& field) { return field.volume->components == 1 ? 0 : field.component; }
 
-// The parts of an operator that a view of the field's samples needs.
-CompiledOperator viewOf(const SampledField& field, const RenderSpace& space) {
-  const Volume& volume = *field.volume;
-  CompiledOperator view;
-  view.data.volume = field.volume;
-  if (componentOf(field) >= 0) view.vis.component = componentOf(field);
-  const glm::dvec3 origin = space.toRender(volume.grid.origin);
-  for (int k = 0; k < 3; k++) {
-    view.gridOrigin[size_t(k)] = float(origin[k]);
-    view.gridInverse[size_t(k)] = float(1 / (volume.grid.spacing[k] * space.scale));
-  }
-  for (const auto& [partition, block] : volume.blocks)
-    if (block.extent.count() > 0) view.parts[partition].block = &block;
-  return view;
-}
-
 bool showsField(const CompiledOperator& op, const SampledField& field) {
   return op.data.volume == field.volume &&
          (field.volume->components == 1 || op.vis.component.value_or(-1) == field.component);
@@ -64,9 +48,24 @@ void addRule(CompiledSampling& sampling, int op, const HitRule& rule) {
 
 }  // namespace
 
+CompiledOperator viewOf(const SampledField& field, const RenderSpace& space) {
+  const Volume& volume = *field.volume;
+  CompiledOperator view;
+  view.data.volume = field.volume;
+  if (componentOf(field) >= 0) view.vis.component = componentOf(field);
+  const glm::dvec3 origin = space.toRender(volume.grid.origin);
+  for (int k = 0; k < 3; k++) {
+    view.gridOrigin[size_t(k)] = float(origin[k]);
+    view.gridInverse[size_t(k)] = float(1 / (volume.grid.spacing[k] * space.scale));
+  }
+  for (const auto& [partition, block] : volume.blocks)
+    if (block.extent.count() > 0) view.parts[partition].block = &block;
+  return view;
+}
+
 std::shared_ptr<const CompiledSampling> compileSampling(std::shared_ptr<const CompiledScene> scene,
                                                         std::vector<SampledField> fields, int recorded,
-                                                        std::vector<HitRule> rules, bool gradient) {
+                                                        std::vector<HitRule> rules, bool gradient, bool met) {
   auto sampling = std::make_shared<CompiledSampling>();
   if (fields.size() > kMostSampledFields)
     throw Error("a sampling reads " + std::to_string(fields.size()) + " fields, expected at most " +
@@ -87,7 +86,30 @@ std::shared_ptr<const CompiledSampling> compileSampling(std::shared_ptr<const Co
   sampling->recorded = recorded;
   sampling->rules = std::move(rules);
   sampling->gradient = gradient;
+  sampling->met = met;
   return sampling;
+}
+
+void addSample(const CompiledSampling& sampling, const RecordedHit& hit, SampleList& samples) {
+  samples.values.resize(size_t(sampling.recorded));
+  samples.ray.push_back(hit.ray);
+  samples.hit.push_back(hit.hit);
+  samples.depth.push_back(hit.depth);
+  samples.surface.push_back(hit.surface);
+  samples.t.push_back(hit.t);
+  // In double from the ray alone, so that it has the same bits whatever the partitions.
+  const RenderSpace& space = sampling.scene->space;
+  const glm::dvec3 at = glm::dvec3(hit.met.origin) + double(hit.t) * glm::dvec3(hit.met.direction);
+  samples.position.push_back(space.centre + at / space.scale);
+  for (size_t f = 0; f < samples.values.size(); f++) {
+    const Volume& volume = *sampling.fields[f].volume;
+    samples.values[f].push_back(float(volume.shift + volume.scale * hit.values[f * hit.stride]));
+  }
+  if (sampling.met) samples.met.push_back(hit.met);
+  if (!sampling.gradient) return;
+  const CompiledOperator& op = sampling.scene->operators[hit.surface];
+  const double unit = (op.data.volume ? op.data.volume->scale : 1) * space.scale;
+  samples.gradient.emplace_back(glm::dvec3(hit.gradient[0], hit.gradient[1], hit.gradient[2]) * unit);
 }
 
 Visualization forSampling(Visualization visualization) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/rays/compiled_scene.h"
+#include "core/rays/sample_list.h"
 
 namespace gxy {
 
@@ -39,6 +40,7 @@ struct CompiledSampling {
   std::vector<SampledField> fields;
   int recorded = 0;
   bool gradient = false;       ///< gradients of the volumes that are met are stored
+  bool met = false;            ///< SampleList::met is stored
   std::vector<HitRule> rules;  ///< by operator of the scene
 
   // In the kernels' units:
@@ -49,11 +51,29 @@ struct CompiledSampling {
   std::vector<int32_t> hits;
 };
 
-/// Compiles a sampling. `scene` must have been compiled with makesSampling(), and its `visible` set. Throws Error (what, and what
+/// Compiles a sampling. `scene` must show what forSampling() returns, and its `visible` be set. Throws Error (what, and what
 /// is expected) for fields and rules that do not fit.
 std::shared_ptr<const CompiledSampling> compileSampling(std::shared_ptr<const CompiledScene> scene,
                                                         std::vector<SampledField> fields, int recorded,
-                                                        std::vector<HitRule> rules, bool gradient);
+                                                        std::vector<HitRule> rules, bool gradient,
+                                                        bool met = false);
+
+/// The parts of an operator that a view of a field's samples (fillVolumeView()) needs.
+CompiledOperator viewOf(const SampledField& field, const RenderSpace& space);
+
+/// A hit that counts, as devices tell of it.
+struct RecordedHit {
+  uint64_t ray = 0;  ///< this and the next three: as in SampleList
+  uint32_t hit = 0, depth = 0, surface = 0;
+  float t = 0;
+  MetSurface met;
+  const float* values = nullptr;  ///< stored values of the recorded fields, `stride` apart
+  size_t stride = 1;
+  const float* gradient = nullptr;  ///< three numbers per unit of render space; only if gradients are stored
+};
+
+/// Adds a hit to samples, in world units: the same bits for all devices.
+void addSample(const CompiledSampling& sampling, const RecordedHit& hit, SampleList& samples);
 
 /// Returns the visualization with surfaces that rays can pass, as rays of a sampling do, and without what they do not meet: lights
 /// and volume rendering.

@@ -12,6 +12,7 @@
 #include "core/rays/iso_mask.h"
 #include "core/rays/step_plan.h"
 #include "core/scene/colormaps.h"
+#include "core/scene/json_text.h"
 
 namespace gxy {
 
@@ -65,6 +66,12 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
   if (largestExtinction(op) == 0) op.vis.volumeRendering = false;  // nothing of the volume would be seen
   for (double v : op.vis.isovalues) op.isovalues.push_back(float((v - volume.shift) / volume.scale));
   for (const Plane& p : op.vis.slices) op.slices.push_back(compilePlane(p, space));
+  if (op.vis.every == 0) return;
+  if (!(op.vis.every * space.scale * kMostSteps >= 1))
+    throw Error("rays are to meet \"" + op.vis.dataset + "\" every " + numberText(op.vis.every) +
+                ", expected at least " + numberText(1 / (space.scale * kMostSteps)) +
+                ", a 32768th of the domain's longest side");
+  op.every = float(std::min(op.vis.every * space.scale, 1e29));
 }
 
 // Calls visit(index, firstCell) for the block's macrocells that have cells between the points of an extent,
@@ -90,7 +97,7 @@ bool anyMacrocell(const VolumeBlock& block, const Extent& extent, Visit&& visit)
 }
 
 bool showsSurfaces(const CompiledOperator& op) {
-  return op.vis.type != VisType::Volume || !op.isovalues.empty() || !op.slices.empty();
+  return op.vis.type != VisType::Volume || !op.isovalues.empty() || !op.slices.empty() || op.every > 0;
 }
 
 using OtherScenes = std::span<const std::shared_ptr<const CompiledScene>>;
@@ -143,6 +150,7 @@ void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, c
       return (!part.plan.empty() && part.plan[i] != 0) ||
              (!part.isoMask.empty() && hasIsoCell(part.isoMask, i, firstCell, near));
     });
+    visible = visible || op.every > 0;
     for (const CompiledPlane& p : op.slices)
       visible = visible || planeMeets(p, scene.partitioning->box(partition), space);
     if (visible) scene.visible[partition] = 1;

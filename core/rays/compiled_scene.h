@@ -84,6 +84,7 @@ struct CompiledOperator {
   std::array<float, 3> gridOrigin{}, gridInverse{};  ///< in render space; cells per unit of it
   std::vector<float> isovalues;                      ///< stored units
   std::vector<CompiledPlane> slices, clips;
+  float every = 0;                           ///< Vis::every in render space
   std::map<int, OperatorInPartition> parts;  ///< key: local partition
   /// Upper bound on the extinction, per unit of t, of everything else that can hide the back of a segment and
   /// not its front: the largest extinctions of the other volumes together, or kAllOccluding where surfaces may
@@ -109,6 +110,8 @@ struct CompiledScene {
   /// Cells of local macrocells that an isovalue passes through, if they hold no isovalue or the block lacks
   /// them. Rays skip them.
   uint64_t isoCellsSkipped = 0;
+  /// It is for samplings alone: no frame is made of it, so devices need not prepare any.
+  bool sampled = false;
   double largestRadiance = 1;  ///< bound on the light of a hit or a segment
 
   /// Bytes that this scene holds alone, besides the data.
@@ -116,6 +119,9 @@ struct CompiledScene {
   /// Allocations that it may hold together with other scenes.
   std::vector<SharedBytes> sharedBytes() const;
 };
+
+/// The longest side of the domain is at most so many times Vis::every: then no ray has more than 65535 places.
+inline constexpr double kMostSteps = 1 << 15;
 
 /// Compiles a scene for the partitions that are local, which the data's blocks tell. `visible` then holds
 /// only the answers of local partitions: merge them over ranks (bitwise or), and set it. If one of `others`

@@ -116,6 +116,7 @@ void fillOperatorView(View& v, const CompiledOperator& op, Put& put) {
   v.twoSided = op.vis.twoSided;
   v.slices = int(op.slices.size());
   v.slice = put(op.slices);
+  v.every = op.every;
 }
 
 /// Fills in all but the operators and the hierarchy. `partition` < 0: the view has no partition of its own.

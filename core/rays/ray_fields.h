@@ -88,6 +88,7 @@
 #define HIT_GEOMETRY 1
 #define HIT_SLICE 2
 #define HIT_ISOSURFACE 3
+#define HIT_STEP 4  // a multiple of a length, in a volume
 
 // The reason why a ray ended in a partition, in place of a partition number.
 #define END_DONE -1     // left the visible domain, reached its tMax, or became opaque

@@ -43,6 +43,7 @@ void SampleList::append(SampleList&& other) {
   appendTo(position, other.position);
   for (size_t f = 0; f < values.size(); f++) appendTo(values[f], other.values[f]);
   appendTo(gradient, other.gradient);
+  appendTo(met, other.met);
 }
 
 void SampleList::select(const std::vector<uint32_t>& which) {
@@ -54,6 +55,7 @@ void SampleList::select(const std::vector<uint32_t>& which) {
   selectFrom(position, which);
   for (auto& one : values) selectFrom(one, which);
   selectFrom(gradient, which);
+  selectFrom(met, which);
 }
 
 }  // namespace gxy

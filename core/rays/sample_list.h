@@ -7,6 +7,14 @@
 
 namespace gxy {
 
+/// The surface that a hit has met, for rays that go on from there.
+struct MetSurface {
+  glm::vec3 origin{0}, direction{0};  ///< of the ray, in render space
+  uint32_t kind = 0;                  ///< HIT_* of ray_fields.h
+  uint32_t primitive = 0;             ///< index of the isovalue, of the slice, or of the triangle in the partition
+  int32_t partition = 0;
+};
+
 /// The samples of hits, as a structure of arrays. The key of a sample is (depth, ray, hit), which no two samples of a
 /// sampling share. Not thread safe.
 struct SampleList {
@@ -18,10 +26,14 @@ struct SampleList {
   std::vector<glm::dvec3> position;        ///< world
   std::vector<std::vector<float>> values;  ///< of each recorded field; NaN where there is none
   std::vector<glm::vec3> gradient;  ///< per world unit, of the volume that was met; empty if not asked for
+  std::vector<MetSurface> met;      ///< empty if not asked for
 
   size_t size() const { return ray.size(); }
   bool empty() const { return ray.empty(); }
-  int64_t bytes() const { return int64_t(size()) * bytesPerSample(int(values.size()), !gradient.empty()); }
+  int64_t bytes() const {
+    return int64_t(size()) * bytesPerSample(int(values.size()), !gradient.empty()) +
+           int64_t(met.size() * sizeof(MetSurface));
+  }
   static int64_t bytesPerSample(int fields, bool gradient);
 
   /// Appends the samples of another list with as many fields, or appends to an empty one.

@@ -79,6 +79,7 @@ BuiltScene SceneBuilder::build(SceneSource source, Collectives& ranks, const Ent
   agree(ranks, [&] {
     scene = compileScene(source.visualization, std::move(data), source.partitioning, source.settings,
                          others(), advanceOf(ranks));
+    scene->sampled = source.sampled;
   });
   mergeVisible(*scene, ranks);
   built.compiled = scene;

@@ -67,6 +67,7 @@ struct SceneSource {
   RenderSettings settings;
   std::shared_ptr<const Partitioning> partitioning;
   std::vector<OperatorSource> data;  ///< by operator
+  bool sampled = false;              ///< CompiledScene::sampled
 };
 
 /// A scene on one rank, with its entries in the ledger. The holder keeps it for as long as the ledger is to show it.

@@ -109,6 +109,9 @@ struct Vis {
   bool volumeRendering = false;
   std::vector<double> isovalues;
   std::vector<Plane> slices;
+  /// Of samplings only: the distance (world units) between the places along a ray that it meets where the volume has data; 0:
+  /// none. At least the longest side of the domain over kMostSteps.
+  double every = 0;
   // Particles and PathLines: the radius is radius0 at value0 and radius1 at value1, linear between them and
   // constant outside. If value0 == value1, it is radius0 everywhere. A radius <= 0 draws nothing. In a state
   // file the four default to -1, 1, 0, 1 for PathLines, as in the earlier Galaxy.

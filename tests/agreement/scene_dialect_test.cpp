@@ -7,7 +7,7 @@
 #include <bit>
 #include <set>
 
-#include "backends/embree/view_pointers.h"
+#include "core/rays/view_pointers.h"
 #include "core/rays/fill_views.h"
 #include "tests/agreement/scene_single.h"
 #include "tests/agreement/scenes.h"

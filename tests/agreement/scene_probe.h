@@ -3,7 +3,7 @@
 // whose field is v, from seeded input i. C++, ISPC and GLSL read it after core/kernels/scene.h; their results have the same
 // bits.
 
-#define SCENE_PROBES 43
+#define SCENE_PROBES 44
 
 // In [lo, hi).
 FN real drawIn(uint i, uint salt, real lo, real hi) { return lo + (hi - lo) * unitReal(hash2(i, salt)); }
@@ -184,6 +184,9 @@ FN real probeSample(OPERATOR op, VOLUME v, int p, vec3 o, vec3 d, uint i) {
   real t = drawIn(i, 26u, R(0.0), R(1.5));
   if (p == 42) return inRange(t, R(0.25), R(0.75)) ? R(1.0) : R(0.0);
   if (op.kind == KIND_PARTICLES || op.kind == KIND_PATHLINES || op.kind == KIND_TRIANGLES) return R(-1.0);
+  if (p == 43)
+    return hitStep(v, clippedRay(v, o, d), drawIn(i, 27u, R(0.002), R(0.3)), drawIn(i, 28u, R(0.0), R(0.3)), t,
+                   drawIn(i, 29u, R(-1.0), R(0.4)));
   real x = valueMet(v, o, d, t);
   if (p == 41) {
     vec3 gradient = gradientMet(v, o, d, t);

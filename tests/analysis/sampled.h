@@ -25,6 +25,7 @@ struct SampledPoints {
 struct Evaluation {
   SamplingRanks::Run run{};
   std::map<std::string, std::vector<const WholeVolume*>> inputs;
+  std::map<std::string, WholeGeometry> geometry = {};  ///< inputs, too; ranks have its primitives in turn
   /// Replaces the ranks' check() and memory, by rank; null: nothing fails.
   std::function<void(int rank)> check = nullptr;
   std::function<LedgerEntry(int rank, const std::string& purpose)> memory = nullptr;
@@ -48,6 +49,19 @@ class CheckedRanks final : public Collectives {
   Collectives& to_;
   const std::function<void(int)> check_;
 };
+
+/// What a rank has of a geometry whose primitives ranks have in turn.
+inline std::shared_ptr<const OwnedGeometry> ownedOf(const WholeGeometry& whole, int rank, int ranks) {
+  auto owned = std::make_shared<OwnedGeometry>();
+  owned->kind = whole.kind;
+  std::vector<uint32_t> mine;
+  for (size_t i = size_t(rank); i < whole.block.ids.size(); i += size_t(ranks)) mine.push_back(uint32_t(i));
+  owned->block = subset(whole.block, whole.kind, mine);
+  for (const glm::dvec3& p : whole.block.points) owned->box.extend(Box{p, p});
+  owned->middle = owned->box;
+  owned->primitives = whole.block.ids.size();
+  return owned;
+}
 
 /// Evaluates a filter on all ranks of a cut. Returns the ranks' errors; `result` gets the particles. Throws Error if something of
 /// the flights is left over.
@@ -73,6 +87,12 @@ std::vector<std::string> evaluateOn(const Cut& cut, const Evaluation& evaluation
         inputs[name].push_back(
             {i == 0 ? name : name + " " + std::to_string(i + 1), {}, 1, std::move(dataset)});
       }
+    for (const auto& [name, whole] : evaluation.geometry) {
+      auto dataset = std::make_shared<Dataset>();
+      dataset->partitioning = partitioning;
+      dataset->geometry = ownedOf(whole, rank, cut.ranks);
+      inputs[name].push_back({name, {}, 1, std::move(dataset)});
+    }
     FilterServices services;
     services.sampler = &world.sampler(rank);
     services.takeMemory = [&](const std::string& purpose, int64_t) {

@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,11 +35,13 @@ inline double squaredDistance(glm::dvec3 p) {
 /// Whole volumes and what is sampled in them.
 struct SamplingCase {
   std::vector<WholeVolume> volumes;
-  std::vector<Vis> operators;                  ///< of VisType::Volume
-  std::vector<size_t> shown;                   ///< by operator: its volume
+  std::vector<Vis> operators;
+  std::vector<size_t> shown;  ///< by operator: its volume; not looked at for geometry
+  std::map<size_t, std::shared_ptr<const WholeGeometry>>
+      geometry;                                ///< by operator of another type than VisType::Volume
   std::vector<std::pair<size_t, int>> fields;  ///< volume and component
   int recorded = 0;
-  bool gradient = false;
+  bool gradient = false, met = false;
   std::vector<HitRule> rules;
 };
 
@@ -76,16 +79,24 @@ class SamplingRanks {
   const Cut& cut() const { return cut_; }
 
   /// What is sampled, on one rank.
-  static SamplingSource sourceOf(const SamplingCase& c,
-                                 const std::vector<std::vector<std::shared_ptr<const Volume>>>& parts,
-                                 std::shared_ptr<const Partitioning> partitioning, int rank) {
+  static SamplingSource sourceOf(
+      const SamplingCase& c, const std::vector<std::vector<std::shared_ptr<const Volume>>>& parts,
+      const std::map<size_t, std::vector<std::shared_ptr<const Geometry>>>& geometry,
+      std::shared_ptr<const Partitioning> partitioning, int rank) {
     SamplingSource s;
     s.scene.visualization.operators = c.operators;
     s.scene.partitioning = std::move(partitioning);
-    for (const size_t v : c.shown) s.scene.data.push_back({{parts[v][size_t(rank)], nullptr}, {}});
+    for (size_t i = 0; i < c.shown.size(); i++) {
+      const auto found = geometry.find(i);
+      if (found == geometry.end())
+        s.scene.data.push_back({{parts[c.shown[i]][size_t(rank)], nullptr}, {}});
+      else
+        s.scene.data.push_back({{nullptr, found->second[size_t(rank)]}, {}});
+    }
     for (const auto& [v, component] : c.fields) s.fields.push_back({parts[v][size_t(rank)], component});
     s.recorded = c.recorded;
     s.gradient = c.gradient;
+    s.met = c.met;
     s.rules = c.rules;
     return s;
   }
@@ -96,9 +107,17 @@ class SamplingRanks {
     const auto partitioning = std::make_shared<const Partitioning>(cut_.partitioning);
     std::vector<std::vector<std::shared_ptr<const Volume>>> parts;
     for (const WholeVolume& whole : c.volumes) parts.push_back(test::cut(whole, *partitioning, cut_.ranks));
+    std::map<size_t, std::vector<std::shared_ptr<const Geometry>>> geometry;
+    for (const auto& [i, g] : c.geometry) {
+      const bool flat = g->kind == GeometryKind::Triangles;
+      geometry[i] = distributed(
+          *g, *partitioning, [&](double value) { return flat ? 0 : radiusOf(c.operators[i], value); },
+          cut_.ranks);
+    }
     return ThreadRanks(cut_.ranks).run([&](Collectives& ranks) {
       Sampler& mine = sampler(ranks.rank());
-      const auto sampling = mine.prepare(sourceOf(c, parts, partitioning, ranks.rank()), ranks, freeMemory);
+      const auto sampling =
+          mine.prepare(sourceOf(c, parts, geometry, partitioning, ranks.rank()), ranks, freeMemory);
       work(ranks.rank(), mine, sampling, ranks);
     });
   }
