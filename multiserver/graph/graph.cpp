@@ -273,50 +273,6 @@ void Graph::viewsChanged() {
     for (const auto& [number, changed] : windows) post(changed);
 }
 
-/// Removes the operators whose data are not there, and returns the data of the others.
-SceneCache::GivenData Graph::givenTo(Visualization& visualization, const std::vector<ShownItem>& items,
-                                     const std::map<std::string, glm::dvec4>& colors) {
-  SceneCache::GivenData given;
-  std::erase_if(visualization.operators, [&](const Vis& vis) {
-    const auto item =
-        std::find_if(items.begin(), items.end(), [&](const ShownItem& i) { return i.node == vis.dataset; });
-    if (item == items.end()) return true;
-    const auto color = colors.find(vis.dataset);
-    given.push_back({item->kept, color == colors.end() ? DatasetSpec().color : color->second});
-    return false;
-  });
-  return given;
-}
-
-ViewContent Graph::content(const std::string& view) const {
-  const std::lock_guard lock(mutex_);
-  ViewContent content;
-  content.serial = serial_;
-  content.revision = revision_;
-  content.settings = document_.settings;
-  if (isEnded_) {
-    content.text = "the graph was dropped";
-    return content;
-  }
-  const auto look = document_.looks.find(view);
-  if (look == document_.looks.end()) {
-    content.text = "the graph has no view " + inQuotes(view);
-    return content;
-  }
-  content.camera = look->second.camera;
-  content.size = look->second.size;
-  const auto shown = shown_.find(view);
-  content.text = shown == shown_.end() ? "its data are not there yet" : shown->second.text;
-  if (shown == shown_.end() || shown->second.isHeld) return content;
-  Visualization visualization = look->second.visualization;
-  std::map<std::string, glm::dvec4> colors;
-  for (const DatasetSpec& d : document_.flow.datasets) colors[d.name] = d.color;
-  content.data = givenTo(visualization, shown->second.items, colors);
-  if (!content.data.empty()) content.visualization = std::move(visualization);
-  if (content.data.empty() && content.text.empty()) content.text = "it shows none of what is there";
-  return content;
-}
-
 // Data.
 
 // It and those that observe data need no lock.
