@@ -194,7 +194,8 @@ class EmbreeScene::Packet {
       ispc::regenerateRays(&frame_.view, &view, rays.size());
       rays.setComplete();
     }
-    while (rays.size() > 0) {
+    // A sampling ray may have thousands of hits, whose flight may end meanwhile.
+    while (rays.size() > 0 && !(frame_.sampling && frame_.cancelled())) {
       result_.counters.raysTraced += uint64_t(rays.size());
       meet(rays);
       rays = settle(std::move(rays));

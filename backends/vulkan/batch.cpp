@@ -116,6 +116,8 @@ bool Batch::advance(DeviceTime& time) {
     throw Error("device \"" + scene_.deviceName() + "\" gave up on " +
                 std::to_string(lane_->count(COUNT_STUCK)) +
                 " rays, of which it takes more than 65535 steps to do what cannot be done in parts");
+  // A sampling ray may have thousands of hits, a submission each.
+  if (frame_.sampling && frame_.cancelled()) return false;
   if (const uint32_t cut = lane_->count(COUNT_CUT)) {
     submit(~cut, true);
     return true;

@@ -21,8 +21,9 @@ constexpr uint32_t kDrawNext = 2;  // what Philox draws for, beside the purposes
 
 // A vector of length 1; 0 if it has no direction.
 glm::dvec3 unitOrZero(const glm::dvec3& v) {
-  const double length = glm::length(v);
-  return length > 0 && std::isfinite(length) ? v / length : glm::dvec3(0);
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (!(largest > 0) || !std::isfinite(v.x + v.y + v.z)) return glm::dvec3(0);
+  return glm::normalize(v / largest);  // whose squares are neither 0 nor infinite
 }
 
 glm::dvec3 mirrored(const glm::dvec3& d, const glm::dvec3& n) { return d - 2 * glm::dot(d, n) * n; }
@@ -34,6 +35,14 @@ glm::dvec3 refracted(const glm::dvec3& d, const glm::dvec3& n, double n1, double
   const glm::dvec3 against = up ? -n : n;
   const double cosine = -glm::dot(d, against), rest = 1 - ratio * ratio * (1 - cosine * cosine);
   return rest < 0 ? mirrored(d, n) : ratio * d + (ratio * cosine - std::sqrt(rest)) * against;
+}
+
+// Whether a refracted direction, or one that is mirrored because nothing can be, is on a side of the surface that the smooth normal
+// means.
+bool isOnItsSide(const glm::dvec3& d, const glm::dvec3& toward, const glm::dvec3& smooth,
+                 const glm::dvec3& geometric) {
+  const bool goesOn = (glm::dot(d, smooth) > 0) == (glm::dot(toward, smooth) > 0);
+  return goesOn == ((glm::dot(d, geometric) > 0) == (glm::dot(toward, geometric) > 0));
 }
 
 // The words of a volume's kernels at the place that a ray has met.
@@ -83,10 +92,11 @@ class NextRays::Hits {
     return n;
   }
 
-  /// The largest number that a hit was computed from, as kernels/surface.h has it.
-  float sizeOf(const MetSurface& met, uint32_t surface) {
+  /// The largest number that the place of a hit was computed from here: of the domain, which is 1 wide; of a ray and its triangle.
+  float sizeOf(const MetSurface& met, uint32_t surface, float t) {
     if (met.kind != HIT_GEOMETRY) return 0.5f;
-    float size = 0;
+    float size = t;
+    for (int a = 0; a < 3; a++) size = std::max(size, std::abs(met.origin[a]));
     for (const glm::vec3& p : triangle(met, surface))
       for (int a = 0; a < 3; a++) size = std::max(size, std::abs(p[a]));
     return size;
@@ -177,13 +187,15 @@ uint64_t checkedFollowingRays(uint64_t begun, uint64_t numbers, int children, in
 }
 
 NextRays::NextRays(const CompiledSampling& sampling, const SampleList& samples,
-                   const std::vector<NextRule>& rules, uint32_t seed)
+                   const std::vector<NextRule>& rules, uint32_t seed, const std::function<void()>& check)
     : children_(uint64_t(std::max(1, mostChildren(rules)))) {
   using Way = NextRule::Way;
   parents_.reserve(size_t(std::count_if(samples.surface.begin(), samples.surface.end(),
                                         [&](uint32_t surface) { return rules[surface].way != Way::Stop; })));
   Hits hits(sampling);
+  constexpr size_t kBetweenChecks = 4096;
   for (size_t i = 0; i < samples.size(); i++) {
+    if (i % kBetweenChecks == 0) check();
     const uint32_t surface = samples.surface[i];
     const NextRule& rule = rules[surface];
     if (rule.way == Way::Stop || samples.hit[i] + 1 < uint32_t(sampling.hits[surface])) continue;
@@ -212,6 +224,10 @@ NextRays::NextRays(const CompiledSampling& sampling, const SampleList& samples,
         break;
       case Way::Refract:
         toward = refracted(d, normals.smooth, rule.n1, rule.n2);
+        // Where the two normals are to different sides of the ray, or the new ray is, those of the surface itself count.
+        if ((glm::dot(d, normals.smooth) > 0) != up ||
+            !isOnItsSide(d, toward, normals.smooth, normals.geometric))
+          toward = refracted(d, normals.geometric, rule.n1, rule.n2);
         break;
       case Way::Fixed:
         toward = unitOrZero(rule.direction);
@@ -219,7 +235,8 @@ NextRays::NextRays(const CompiledSampling& sampling, const SampleList& samples,
       default:
         toward = rule.sphere ? glm::dvec3(0, 0, 1) : up ? -normals.geometric : normals.geometric;
     }
-    if (toward == glm::dvec3(0)) continue;  // no gradient, or no data: there is no way to go
+    // No gradient, no data, or indices that are too different: there is no way to go.
+    if (toward == glm::dvec3(0) || !std::isfinite(toward.x + toward.y + toward.z)) continue;
     Parent parent{};
     parent.number = samples.ray[i];
     parent.depth = samples.depth[i];
@@ -235,7 +252,7 @@ NextRays::NextRays(const CompiledSampling& sampling, const SampleList& samples,
     parent.point = glm::vec3(glm::dvec3(met.origin) + double(t) * glm::dvec3(met.direction));
     parent.geometric = flat ? glm::dvec3(0) : normals.geometric;
     parent.toward = toward;
-    parent.size = flat ? -1.0f : hits.sizeOf(met, surface);
+    parent.size = flat ? -1.0f : hits.sizeOf(met, surface, t);
     parent.spawns = rule.way == Way::Spawn, parent.sphere = rule.sphere, parent.uniform = rule.uniform;
     parent.firstRay = rays_;
     rays_ += uint64_t(rule.children());
@@ -254,7 +271,8 @@ glm::vec3 NextRays::directionOf(const Parent& parent, uint64_t child) const {
   single::tangents(parent.toward, s, t);
   float sine, cosine;
   single::sincos1(6.28318531f * y, sine, cosine);
-  const float up = parent.sphere ? 1 - 2 * x : 1 - x, radius = std::sqrt(std::max(0.0f, 1 - up * up));
+  const float up = parent.sphere ? 1 - 2 * x : std::max(1 - x, 1e-6f),
+              radius = std::sqrt(std::max(0.0f, 1 - up * up));
   return glm::normalize(radius * cosine * s + radius * sine * t + up * parent.toward);
 }
 

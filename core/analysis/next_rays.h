@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <string>
@@ -59,9 +60,10 @@ inline constexpr uint64_t kMostFollowingRays = uint64_t(1) << 32;
 class NextRays final : public RaySource {
  public:
   /// `rules` are by operator of the sampling, whose SampleList::met is stored. Of the samples only those with which rays have ended
-  /// are looked at. The samples are not needed afterwards.
-  NextRays(const CompiledSampling& sampling, const SampleList& samples, const std::vector<NextRule>& rules,
-           uint32_t seed);
+  /// are looked at. The samples are not needed afterwards. `check` is called now and then, and may throw.
+  NextRays(
+      const CompiledSampling& sampling, const SampleList& samples, const std::vector<NextRule>& rules,
+      uint32_t seed, const std::function<void()>& check = [] {});
 
   size_t chunks() const override { return size_t((rays_ + kChunk - 1) / kChunk); }
   int raysOf(size_t chunk) const override {

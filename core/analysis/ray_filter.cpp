@@ -109,7 +109,8 @@ class RayPlan {
           "sampled " + std::to_string(from.key.value) + " " + std::to_string(from.generation), data.geometry};
     }
     next.push_back(nextOf(target, from));
-    const bool passes = target.next.goesOn || target.every > 0;
+    // With rays that follow, a ray ends at its first hit, unless `hits` says another.
+    const bool passes = target.next.goesOn || (target.every > 0 && next.back().way == NextRule::Way::Stop);
     HitRule rule{{}, target.hits.value_or(passes ? kMostHits : 1)};
     for (const RaySampler::Condition& c : target.conditions)
       rule.conditions.push_back({fieldOf(c.field, "a condition"), c.least, c.largest});
@@ -256,7 +257,7 @@ Generations sendAll(FilterRun& run, const RaySampler& filter, const RayPlan& pla
       agree(run.ranks, [&] {
         LedgerEntry room = run.takeMemory("sampling rays", NextRays::mostBytes(samples.list.size()));
         next = std::make_shared<const NextRays>(*sampling->compiled, samples.list, plan.next,
-                                                uint32_t(filter.seed));
+                                                uint32_t(filter.seed), [&] { run.ranks.check(); });
         memory = std::move(room);
       });
     samples.list.met = {};

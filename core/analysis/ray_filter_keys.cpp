@@ -13,6 +13,7 @@ namespace gxy {
 namespace {
 
 constexpr int kMostRayLines = 1 << 30;
+constexpr size_t kMostPlanes = 65535;
 constexpr size_t kMostListedRays = 100000;  // that a document lists
 using RayTarget = RaySampler::Target;
 using RayCondition = RaySampler::Condition;
@@ -117,8 +118,10 @@ KeyRow<RayTarget> planesKey(const char* name, std::vector<Plane> RayTarget::*mem
   return customKey<RayTarget>(
       name, "list of [nx, ny, nz, offset]", meaning,
       [=](const Found& found, RayTarget& t) {
-        for (const Found& item : found.list("a list of [nx, ny, nz, offset]"))
+        for (const Found& item : found.list("a list of [nx, ny, nz, offset]")) {
+          if ((t.*member).size() == kMostPlanes) item.fail("at most 65535 planes");
           (t.*member).push_back(item.plane());
+        }
       },
       [=](const RayTarget& t) { return toJson(t.*member); });
 }
@@ -190,7 +193,8 @@ std::vector<KeyRow<RaySampler>> RaySampler::properties() {
           "a "
           "volume; and may have `component`, `clipplanes`, `conditions`, each with `field`, an input, and "
           "`range`, all of which must hold where a hit is to count, `hits`: a ray ends here once it has so "
-          "many, 1 by default, or 65535 with `every`, and `next`: what follows then.",
+          "many, 1 by default, or 65535 with `every` unless other rays follow, and `next`: what follows "
+          "then.",
           [](const Found& found, RaySampler& s) {
             for (const Found& item : found.list("a list of operators"))
               readObject(item.context, item.value, rayTargetSchema(), s.operators.emplace_back());

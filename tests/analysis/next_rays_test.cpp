@@ -305,6 +305,21 @@ TEST(RaysThatFollow, GoAlongGradientsAndGivenDirections) {
   }
 }
 
+TEST(RaysThatFollow, FollowTheFirstOfEqualDistancesUnlessHitsSaysAnother) {
+  const auto count = [](const std::string& hits) {
+    return rayPointsOnAll(R"({"rays":[[0.3,0.5,0.85,0,0,-1]],"operators":[{"dataset":"x","every":0.2,)" +
+                          hits + R"("next":{"redirect":"direction","direction":[1e200,0,0]}}]})");
+  };
+  // Down to 0.65, and from there along x, where the next place is 0.2 on; the last generation ends there.
+  const SampledPoints one = count("");
+  ASSERT_EQ(one.points.size(), 2u);
+  EXPECT_LT(glm::length(one.points.at(0).first - glm::dvec3(0.3, 0.5, 0.65)), 1e-5);
+  EXPECT_LT(glm::length(one.points.at(1).first - glm::dvec3(0.5, 0.5, 0.65)), 1e-5);
+  const SampledPoints two = count(R"("hits":2,)");
+  ASSERT_EQ(two.points.size(), 4u);
+  EXPECT_LT(glm::length(two.points.at(3).first - glm::dvec3(0.7, 0.5, 0.45)), 1e-5);
+}
+
 TEST(SamplesAtEqualDistances, AreWhereTheyAreCounted) {
   const auto every = [](const std::string& ray, const std::string& length, const std::string& more = "") {
     return rayPointsOnAll(R"({"rays":[)" + ray + R"(],"values":"x","operators":[{"dataset":"x","every":)" +

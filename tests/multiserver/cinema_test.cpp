@@ -70,7 +70,8 @@ TEST(Cinema, EachPictureIsThatOfABatch) {
                     [](const std::string& text) { return readState(text, "state"); });
   for (size_t p = 0; p < 8; p++) {
     const SweptScene& scene = swept.scenes[swept.pictures[p].scene];
-    const State one{{}, scene.settings, {scene.visualization}, {swept.pictures[p].camera}, scene.annotations};
+    const State one{{}, scene.settings, {scene.visualization}, {swept.pictures[p].camera}, scene.annotations,
+                    {}};
     c.client->expect("batch " + json{{"state", json::parse(writeState(one))}, {"prefix", "one"}}.dump());
     const auto& row = table.rows()[p];
     EXPECT_EQ(bytesOfFile(c.folder / "a.cdb" / row[3]), bytesOfFile(c.folder / "one_00000.png")) << row[3];

@@ -64,11 +64,8 @@ std::string Selection::operatorText() const {
 }
 
 State Selection::shown() const {
-  return {state_.datasets,
-          state_.settings,
-          {state_.visualizations[visualization_]},
-          {camera()},
-          state_.annotations};
+  return {state_.datasets, state_.settings,    {state_.visualizations[visualization_]},
+          {camera()},      state_.annotations, {}};
 }
 
 State Selection::with(const Camera& camera) const {
