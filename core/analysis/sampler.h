@@ -31,7 +31,7 @@ struct SamplingSource {
   std::string account;         ///< the ledger's tenant for rays; empty: that of Sampler::Options
 };
 
-/// A sampling on one rank, ready for rays. Immutable, thread safe.
+/// A sampling on one rank, ready for the rays of any number of flights, until one of them is cancelled or fails. Immutable, thread safe.
 struct Sampling {
   BuiltScene scene;
   std::shared_ptr<const CompiledSampling> compiled;

@@ -88,9 +88,9 @@ TEST(ScheduledSampling, FindsTheSameSamplesUnderAnySchedule) {
 }
 
 TEST(ScheduledSampling, ACancelledOneLeavesNothingBehind) {
-  Scheduled scheduled(kdCut(unitCube(), 9, 4, 3));
   Random random(5);
   for (int seed = 1; seed <= seeds(300); seed++) {
+    Scheduled scheduled(kdCut(unitCube(), 9, 4, 3));  // A sampling ends with a cancelled flight.
     const auto outcome = scheduled.run(uint64_t(seed), 64, int(random.below(120)));
     ASSERT_TRUE(outcome.ending) << seed;
     ASSERT_TRUE(outcome.ending->cancelled || outcome.ending->counts()) << seed;

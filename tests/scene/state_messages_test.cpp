@@ -118,10 +118,12 @@ TEST(StateMessages, NamedOperatorsAndOutputsAreChecked) {
     return errorFor(R"({"Operators": )" + named + R"(, "Visualization": {"operators": [)" + said + "]}}");
   };
   const std::string look = R"({"name": "look", "type": "Volume", "dataset": "d", "isovalues": [1]})";
-  EXPECT_EQ(withOperators(look, "\"look\", \"look\""), "");
-  EXPECT_NE(
-      withOperators(look, "\"loop\"").find("the name of one of `Operators`, found \"loop\"; did you mean"),
-      std::string::npos)
+  const State twoLooks =
+      readState(R"({"Operators": )" + look + R"(, "Visualization": {"operators": ["look", "look"]}})", "s")
+          .state;
+  EXPECT_EQ(twoLooks.visualizations.at(0).operators.size(), 2u);
+  EXPECT_NE(withOperators(look, "\"loop\"").find("the name of one of `Operators`; did you mean `look`?"),
+            std::string::npos)
       << withOperators(look, "\"loop\"");
   EXPECT_NE(withOperators("[" + look + "," + look + "]", "").find("two operators named \"look\""),
             std::string::npos);
@@ -140,10 +142,14 @@ TEST(StateMessages, NamedOperatorsAndOutputsAreChecked) {
           .find("at most 1000000 values in all operators that are named"),
       std::string::npos);
   const auto output = [](const std::string& members) { return errorFor(R"({"Outputs": )" + members + "}"); };
-  EXPECT_EQ(
-      output(
-          R"([{"type": "Data file", "of": "d", "to": "d.vti"}, {"type": "Publish", "of": "d", "to": "e"}])"),
-      "");
+  const State outputs = readState(R"({"Outputs": [{"type": "Data file", "of": "d", "to": "d.vti"},
+    {"name": "n", "type": "Publish", "of": "d", "to": "e"}]})",
+                                  "s")
+                            .state;
+  ASSERT_EQ(outputs.outputs.size(), 2u);
+  EXPECT_EQ(outputs.outputs[0].name, "d.vti");
+  EXPECT_EQ(outputs.outputs[1], (OutputSpec{"n", OutputSpec::Type::Publish, "d", "e"}));
+  EXPECT_EQ(readState(writeState(outputs), "s").state, outputs);
   EXPECT_NE(
       output(R"({"type": "Film", "of": "d", "to": "e"})").find("expected Data file, Pictures or Publish"),
       std::string::npos);

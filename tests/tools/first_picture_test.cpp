@@ -301,8 +301,8 @@ TEST_F(FirstPicture, AnOperatorMayShowAnotherArrayThanItsDataset) {
   std::ofstream table(folder_.path() / "p.csv");
   table << "x,y,z,size,heat,v:0,v:1,second\n";
   for (int i = 0; i < 30; i++)
-    table << i % 6 << ',' << i / 6 << ",0," << i / 30.0 << ',' << i * 7 % 30 << ',' << i * 11 % 30 / 30.0
-          << ',' << -i / 30.0 << ',' << -i / 30.0 << "\n";
+    table << i % 6 << ',' << i / 6 << ",0," << i / 30.0 << ',' << i * 7 % 30 << ',' << i * 11 % 30 / 32.0
+          << ',' << -i / 32.0 << ',' << -i / 32.0 << "\n";
   table.close();
   const auto scene = [&](const char* name, const std::string& dataset, const std::string& vis) {
     std::ofstream(folder_.path() / name)
