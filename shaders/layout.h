@@ -43,11 +43,11 @@
 #define SURFACE_PARTICLES 1
 #define SURFACE_PATHLINES 2
 #define SURFACE_TRIANGLES 4
-#define SURFACE_FIELDS 8    // slices and isosurfaces
-#define SURFACE_CLIPPED 16  // some surfaces are clipped by planes
-#define SURFACE_CASTS 32    // surfaces make secondary rays
-#define SURFACE_STARTS 64   // rays may start on an isosurface
-#define SURFACE_COUNTS 128  // nodes and primitives of geometry are counted
+#define SURFACE_FIELDS 8     // slices and isosurfaces
+#define SURFACE_CLIPPED 16   // some surfaces are clipped by planes
+#define SURFACE_CASTS 32     // surfaces make secondary rays
+#define SURFACE_STARTS 64    // rays may start on an isosurface
+#define SURFACE_COUNTS 128   // nodes and primitives of geometry are counted
 #define SURFACE_SAMPLED 256  // rays sample surfaces, and give nothing to pixels
 
 #define SCENE_SET 0

@@ -11,7 +11,7 @@ namespace gxy {
 struct MetSurface {
   glm::vec3 origin{0}, direction{0};  ///< of the ray, in render space
   uint32_t kind = 0;                  ///< HIT_* of ray_fields.h
-  uint32_t primitive = 0;             ///< index of the isovalue, of the slice, or of the triangle in the partition
+  uint32_t primitive = 0;  ///< index of the isovalue, of the slice, or of the triangle in the partition
   int32_t partition = 0;
 };
 

@@ -272,8 +272,8 @@ class Graph : public std::enable_shared_from_this<Graph> {
   std::map<std::string, std::map<uint64_t, std::function<void()>>> windows_;  ///< by view
   std::map<std::string, Shown> shown_;                                        ///< by view
   std::map<std::string, Series> series_;                                      ///< by node
-  std::map<std::string, Writing> writing_;  ///< outputs that are being made
-  std::map<std::string, OutputJob> due_;    ///< outputs that are to be made next
+  std::map<std::string, Writing> writing_;                                    ///< outputs that are being made
+  std::map<std::string, OutputJob> due_;        ///< outputs that are to be made next
   std::map<std::string, Written> written_;      ///< outputs that were made, or could not be
   std::map<std::string, Published> published_;  ///< by output
   std::map<uint64_t, Watcher> watchers_;        ///< by session

@@ -7,8 +7,8 @@
 #include <bit>
 #include <set>
 
-#include "core/rays/view_pointers.h"
 #include "core/rays/fill_views.h"
+#include "core/rays/view_pointers.h"
 #include "tests/agreement/scene_single.h"
 #include "tests/agreement/scenes.h"
 

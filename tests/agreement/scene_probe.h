@@ -185,8 +185,8 @@ FN real probeSample(OPERATOR op, VOLUME v, int p, vec3 o, vec3 d, uint i) {
   if (p == 42) return inRange(t, R(0.25), R(0.75)) ? R(1.0) : R(0.0);
   if (op.kind == KIND_PARTICLES || op.kind == KIND_PATHLINES || op.kind == KIND_TRIANGLES) return R(-1.0);
   if (p == 43)
-    return hitStep(v, clippedRay(v, o, d), drawIn(i, 27u, R(0.002), R(0.3)), drawIn(i, 28u, R(0.0), R(0.3)), t,
-                   drawIn(i, 29u, R(-1.0), R(0.4)));
+    return hitStep(v, clippedRay(v, o, d), drawIn(i, 27u, R(0.002), R(0.3)), drawIn(i, 28u, R(0.0), R(0.3)),
+                   t, drawIn(i, 29u, R(-1.0), R(0.4)));
   real x = valueMet(v, o, d, t);
   if (p == 41) {
     vec3 gradient = gradientMet(v, o, d, t);

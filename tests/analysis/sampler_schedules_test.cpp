@@ -89,7 +89,7 @@ TEST(ScheduledSampling, FindsTheSameSamplesUnderAnySchedule) {
 
 TEST(ScheduledSampling, ACancelledOneLeavesNothingBehind) {
   Random random(5);
-  for (int seed = 1; seed <= seeds(300); seed++) {
+  for (int seed = 1; seed <= seeds(100); seed++) {
     Scheduled scheduled(kdCut(unitCube(), 9, 4, 3));  // A sampling ends with a cancelled flight.
     const auto outcome = scheduled.run(uint64_t(seed), 64, int(random.below(120)));
     ASSERT_TRUE(outcome.ending) << seed;
