@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -13,6 +12,7 @@
 #include "core/comm/error.h"
 #include "core/data/gather.h"
 #include "core/io/write_dataset.h"
+#include "multiserver/protocol/file_record.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/exchanges.h"
 
@@ -178,13 +178,7 @@ FetchedJson fetchDataset(Fetches& fetches, Request& request, protocol::Arguments
   const auto [named, pin] = serverRank.datasets->getPinned(tenant, name);
   int64_t sent = 0;
   const auto kept = fetches.add(*exchange, [&](const FetchedJson& header, std::span<const std::byte> values) {
-    const std::string text = header.dump();
-    const auto length = uint32_t(text.size());
-    Bytes record(sizeof length + text.size() + values.size());
-    std::memcpy(record.data(), &length, sizeof length);
-    std::memcpy(record.data() + sizeof length, text.data(), text.size());
-    std::memcpy(record.data() + sizeof length + text.size(), values.data(), values.size());
-    if (!request.session().outbox().file(request.id(), std::move(record),
+    if (!request.session().outbox().file(request.id(), protocol::fileRecord(header, values),
                                          [&] { return request.cancelled(); }))
       throw Error("cancelled");
     sent += int64_t(values.size());

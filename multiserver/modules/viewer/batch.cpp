@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <cstring>
 #include <map>
 #include <set>
 
@@ -12,6 +11,7 @@
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
 #include "core/scene/picture_name.h"
+#include "multiserver/protocol/file_record.h"
 #include "multiserver/protocol/json.h"
 #include "multiserver/rendering/cost.h"
 #include "multiserver/rendering/data_hold.h"
@@ -64,16 +64,6 @@ std::vector<std::string> namesIn(const BatchRender& batch) {
   for (const BatchScene& scene : batch.scenes)
     for (const Vis& vis : scene.visualization.operators) names.insert(vis.dataset);
   return {names.begin(), names.end()};
-}
-
-Bytes fileRecord(const json& header, std::span<const std::byte> content) {
-  const std::string text = protocol::dump(header);
-  const auto size = uint32_t(text.size());
-  Bytes record(sizeof size + text.size() + content.size());
-  std::memcpy(record.data(), &size, sizeof size);
-  std::memcpy(record.data() + sizeof size, text.data(), text.size());
-  std::copy(content.begin(), content.end(), record.begin() + std::ptrdiff_t(sizeof size + text.size()));
-  return record;
 }
 
 class Run {
@@ -191,8 +181,8 @@ class Run {
       done = job_->done;
     }
     for (auto& [index, content] : contents) {
-      const Bytes record =
-          fileRecord({{"name", nameOf(batch_, index)}, {"index", index}, {"of", total_}}, content.picture);
+      const Bytes record = protocol::fileRecord(
+          {{"name", nameOf(batch_, index)}, {"index", index}, {"of", total_}}, content.picture);
       if (!request_.session().outbox().file(request_.id(), record, [this] { return request_.cancelled(); }))
         throw Error("cancelled");
       content = {};
