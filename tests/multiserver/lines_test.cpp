@@ -169,6 +169,34 @@ TEST(Lines, RefuseWhatCannotBe) {
   EXPECT_EQ(client->expect("list").at("datasets").size(), 3u);
 }
 
+// Without `time` there is no limit; a time that is none is an error.
+TEST(Lines, RefuseTimesThatAreNoNumbers) {
+  LinesServer lines(2);
+  const auto client = lines.server->client();
+  lines.prepare(*client);
+  const std::string syntax = "syntax error", large = "number too large; expected a finite double",
+                    kind = "`time`: expected a number >= 0, found ";
+  for (const auto& [time, expected] :
+       std::vector<std::pair<std::string, std::string>>{{"1e999", large},
+                                                        {"-1e999", large},
+                                                        {"\"inf\"", kind + "\"inf\""},
+                                                        {"\"Infinity\"", kind + "\"Infinity\""},
+                                                        {"Infinity", syntax},
+                                                        {"NaN", syntax},
+                                                        {"null", kind + "null"}}) {
+    const Reply reply = client->request(
+        R"(make {"filter":"StreamTracer","name":"x","inputs":{"vectors":"turn","seeds":"seeds"},"time":)" +
+        time + "}");
+    EXPECT_FALSE(reply.ok) << time;
+    EXPECT_NE(reply.error.find(expected), std::string::npos) << time << ": " << reply.error;
+    EXPECT_TRUE(reply.error.starts_with("make:1:")) << time << ": " << reply.error;
+  }
+  EXPECT_EQ(client->expect("list").at("datasets").size(), 3u);
+  const json reply = told(*client, make("StreamTracer", "x", {{"vectors", "turn"}, {"seeds", "seeds"}},
+                                        {{"time", 1e308}, {"length", 1}}));
+  EXPECT_EQ(reply.at("ends").at("length"), 10);
+}
+
 // It would go round for weeks.
 TEST(Lines, ThatAreCancelledLeaveNothing) {
   LinesServer lines(3);
