@@ -112,6 +112,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
     std::vector<ShownItem> items;
     std::string text;  ///< why there is nothing, or the picture is held
     bool isHeld = false;
+    std::string failure;  ///< why no picture can show all of it; empty: one can
   };
   struct Fetched {
     DatasetSpec spec;
@@ -212,6 +213,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
 
   static Failure failureOf(const std::string& text);
   std::vector<ShownItem> itemsOf(const flow::ShowData& action, const std::vector<ShownItem>& known) const;
+  std::string failureOf(const std::vector<ShownItem>& items) const;
 
   // graph_outputs.cpp: what it makes of data beside showing them
   void carryOut(const flow::ShowData& action, std::vector<ShownItem> items);

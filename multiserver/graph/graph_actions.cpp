@@ -386,9 +386,11 @@ void Graph::carryOut(const flow::ShowData& action) {
   Shown& shown = shown_[action.target.name];
   shown.items = itemsOf(action, shown.items);
   shown.isHeld = false;
+  const std::string before = std::exchange(shown.failure, failureOf(shown.items));
   shown.text.clear();
   for (const flow::Problem& problem : action.problems)
     if (shown.text.empty()) shown.text = inQuotes(problem.node) + ": " + problem.text;
+  if (shown.failure != before) tellNode({flow::NodeId::Kind::View, action.target.name});
   viewsChanged();
 }
 
@@ -397,6 +399,7 @@ void Graph::carryOut(const flow::HoldPicture& action) {
   if (action.target.kind != flow::TargetId::Kind::View) return;
   Shown& shown = shown_[action.target.name];
   shown.items.clear();
+  shown.failure.clear();
   shown.isHeld = true;
   shown.text = "held picture: " + action.text;
   viewsChanged();

@@ -59,6 +59,9 @@ json Graph::stateJson(const NodeId& node) const {
   const auto look = document_.looks.find(node.name);
   if (look != document_.looks.end() && !look->second.missing.empty())
     out.update({{"state", "incomplete"}, {"text", look->second.missing}});
+  else if (const auto shown = shown_.find(node.name);
+           shown != shown_.end() && !shown->second.failure.empty() && state.kind == NodeState::Kind::Done)
+    out.update({{"state", nameOf(NodeState::Kind::Failed)}, {"text", shown->second.failure}});
   return out;
 }
 

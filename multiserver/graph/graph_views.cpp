@@ -22,6 +22,23 @@ SceneCache::GivenData Graph::givenTo(Visualization& visualization, const std::ve
   return given;
 }
 
+/// What rendering would refuse. The data of rank 0 say it for all ranks.
+std::string Graph::failureOf(const std::vector<ShownItem>& items) const {
+  std::shared_ptr<const Partitioning> first;
+  for (const ShownItem& item : items) {
+    std::shared_ptr<const Partitioning> cut;
+    try {
+      const ObjectGeneration at = item.kept->where();
+      cut = services_.serverRank.objects.pin(at.key, at.generation).get<Dataset>()->partitioning;
+    } catch (const Error&) {
+      continue;  // A publisher's buffer has just become the graph's own.
+    }
+    if (!first) first = cut;
+    if (first != cut && !(*first == *cut)) return textOfTwoPartitionings(items[0].node, item.node);
+  }
+  return "";
+}
+
 ViewContent Graph::content(const std::string& view) const {
   const std::lock_guard lock(mutex_);
   ViewContent content;
@@ -42,6 +59,10 @@ ViewContent Graph::content(const std::string& view) const {
   const auto shown = shown_.find(view);
   content.text = shown == shown_.end() ? "its data are not there yet" : shown->second.text;
   if (shown == shown_.end() || shown->second.isHeld) return content;
+  if (!shown->second.failure.empty()) {
+    content.text = shown->second.failure;
+    return content;
+  }
   Visualization visualization = look->second.visualization;
   std::map<std::string, glm::dvec4> colors;
   for (const DatasetSpec& d : document_.flow.datasets) colors[d.name] = d.color;

@@ -31,6 +31,11 @@ const NamedDataset* SceneHandle::find(Key key, std::optional<Generation> generat
   return nullptr;
 }
 
+std::string textOfTwoPartitionings(const std::string& first, const std::string& other) {
+  return "visualization: " + inQuotes(first) + " and " + inQuotes(other) +
+         " are partitioned differently, expected one partitioning; import one `like` the other";
+}
+
 SceneCache::SceneCache(Registration& registration)
     : serverRank_(registration.serverRank()), builder_(*serverRank_.backend, serverRank_.rank()) {
   registration.work(
@@ -53,9 +58,7 @@ SceneSource SceneCache::sourceOf(const json& p) const {
     if (!source.partitioning) source.partitioning = dataset->partitioning;
     const auto& operators = source.visualization.operators;
     if (source.partitioning != dataset->partitioning && !(*source.partitioning == *dataset->partitioning))
-      throw Error("visualization: " + inQuotes(operators[0].dataset) + " and " +
-                  inQuotes(operators[source.data.size()].dataset) +
-                  " are partitioned differently, expected one partitioning; import one `like` the other");
+      throw Error(textOfTwoPartitionings(operators[0].dataset, operators[source.data.size()].dataset));
     OperatorSource& shown = source.data.emplace_back();
     shown.data.color = glm::dvec3(dataset->color);
     if (const auto color = d.find("color"); color != d.end())

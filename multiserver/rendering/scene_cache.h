@@ -35,6 +35,9 @@ struct SceneHandle {
 };
 using ScenePtr = std::shared_ptr<const SceneHandle>;
 
+/// Why one picture cannot show two datasets whose domain is cut in different ways.
+std::string textOfTwoPartitionings(const std::string& first, const std::string& other);
+
 /// Builds scenes and keeps track of those that there are. There is one on each rank (Rendering). Thread safe.
 class SceneCache {
  public:
