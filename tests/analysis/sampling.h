@@ -111,7 +111,8 @@ class SamplingRanks {
     for (const auto& [i, g] : c.geometry) {
       const bool flat = g->kind == GeometryKind::Triangles;
       geometry[i] = distributed(
-          *g, *partitioning, [&](double value) { return flat ? 0 : radiusOf(c.operators[i], value); },
+          *g, *partitioning,
+          [&, index = i](double value) { return flat ? 0 : radiusOf(c.operators[index], value); },
           cut_.ranks);
     }
     return ThreadRanks(cut_.ranks).run([&](Collectives& ranks) {
