@@ -142,7 +142,7 @@ FilterResult IsosurfaceSampler::run(FilterRun& run) const {
   SampledVolumes recorded;
   agree(ranks, [&] {
     checkIsosurface(*this, run);
-    recorded = sampledVolumes(isosurfaceValues(run), "IsosurfaceSampler");
+    recorded = sampledVolumes(isosurfaceValues(run), "IsosurfaceSampler", gradient);
   });
   const EnterMemory enter = [&run](const char* purpose, int64_t bytes) {
     return run.takeMemory(purpose, bytes);

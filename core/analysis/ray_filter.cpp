@@ -43,7 +43,7 @@ class RayPlan {
       take(values.back());
       values.back().name = name;  // what the entry calls it
     }
-    recorded = sampledVolumes(values, "RaySampler");
+    recorded = sampledVolumes(values, "RaySampler", filter.gradient);
     source.fields = recorded.sampled;
     source.recorded = int(recorded.sampled.size());
     source.gradient = filter.gradient;
