@@ -65,19 +65,19 @@ std::vector<float> inIspc(void (*probe)(int, float*)) {
   return out;
 }
 
-TEST(Philox, HasItsKnownAnswers) {
-  unsigned c[4] = {0, 0, 0, 0};
-  single::philox4x32(0, 0, c[0], c[1], c[2], c[3]);
-  EXPECT_EQ(c[0], 0x6627e8d5u);
-  EXPECT_EQ(c[1], 0xe169c58du);
-  EXPECT_EQ(c[2], 0xbc57ac4cu);
-  EXPECT_EQ(c[3], 0x9b00dbd8u);
-  for (unsigned& x : c) x = 0xffffffffu;
-  single::philox4x32(0xffffffffu, 0xffffffffu, c[0], c[1], c[2], c[3]);
-  EXPECT_EQ(c[0], 0x408f276du);
-  EXPECT_EQ(c[1], 0x41c83b0eu);
-  EXPECT_EQ(c[2], 0xa20bc7c6u);
-  EXPECT_EQ(c[3], 0x6d5451fdu);
+// And in GLSL, since its probes have the same bits.
+TEST(Philox, HasItsKnownAnswersInCppAndIspc) {
+  const uint32_t known[] = {0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8, 0x408f276d, 0x41c83b0e,
+                            0xa20bc7c6, 0x6d5451fd, 0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1};
+  std::vector<std::vector<float>> dialects{lineProbesInCpp(), inIspc(line_probe_sse4)};
+  if (__builtin_cpu_supports("avx2")) dialects.push_back(inIspc(line_probe_avx2));
+  if (__builtin_cpu_supports("avx512vl")) dialects.push_back(inIspc(line_probe_avx512skx));
+  for (size_t k = 0; k < dialects.size(); k++)
+    for (size_t i = 0; i < std::size(known); i++) {
+      const float* halves = &dialects[k][size_t(44) * kLineInputs + 2 * i];
+      EXPECT_EQ(halves[0], float(known[i] >> 16)) << "dialect " << k << ", word " << i;
+      EXPECT_EQ(halves[1], float(known[i] & 0xffff)) << "dialect " << k << ", word " << i;
+    }
 }
 
 TEST(LineDialect, ProbesAreNumbersThatVary) {
