@@ -174,7 +174,7 @@ FilterResult DensitySampler::run(FilterRun& run) const {
       values == run.inputs().end() ? std::span<const FilterSource>() : values->second;
   agree(ranks, [&] {
     number = componentOf(*field.volume, source.name, component);
-    checkNames(further, "DensitySampler");
+    checkNames(further, "DensitySampler", gradient);
   });
   run.begin(0, 2, "bounds of the density");
   const Candidates candidates(*this, *field.volume, *field.partitioning, number, ranks);

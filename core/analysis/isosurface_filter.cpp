@@ -142,7 +142,7 @@ FilterResult IsosurfaceSampler::run(FilterRun& run) const {
   SampledVolumes recorded;
   agree(ranks, [&] {
     checkIsosurface(*this, run);
-    recorded = sampledVolumes(isosurfaceValues(run), "IsosurfaceSampler");
+    recorded = sampledVolumes(isosurfaceValues(run), "IsosurfaceSampler", gradient);
   });
   const EnterMemory enter = [&run](const char* purpose, int64_t bytes) {
     return run.takeMemory(purpose, bytes);
@@ -162,7 +162,7 @@ FilterResult IsosurfaceSampler::run(FilterRun& run) const {
   while (const uint64_t lines = nextRound(census, uint64_t(count), most)) {
     const auto source = std::make_shared<UniformLines>(box, uint64_t(seed), census.lines(),
                                                        census.lines() + lines, ranks.rank(), ranks.size());
-    TakenSamples more = sampler.sample(sampling, source, ranks, enter);
+    TakenSamples more = sampler.sample(sampling, source, ranks);
     census.add(more.list, lines, ranks);
     agree(ranks, [&] { samples.append(std::move(more)); });
   }

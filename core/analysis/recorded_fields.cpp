@@ -15,12 +15,16 @@ std::string nameOfComponent(const std::string& name, int components, int compone
   return component < 0 ? "mag(" + name + ")" : name + "." + std::to_string(component);
 }
 
-void checkNames(std::span<const FilterSource> sources, const std::string& filter) {
-  for (size_t i = 0; i < sources.size(); i++)
+void checkNames(std::span<const FilterSource> sources, const std::string& filter, bool gradient) {
+  for (size_t i = 0; i < sources.size(); i++) {
+    if (gradient && sources[i].name == kGradientField)
+      throw Error(filter + ": among the fields of points is " + inQuotes(kGradientField) +
+                  ", as their gradients are called, expected another name or no `gradient`");
     for (size_t k = 0; k < i; k++)
       if (sources[i].name == sources[k].name)
         throw Error(filter + ": " + inQuotes(sources[i].name) +
                     " is there twice among the fields of points, expected different ones");
+  }
 }
 
 void setField(GeometryBlock& block, PointField field) {
@@ -88,8 +92,9 @@ void recordVorticity(FilterRun& run, const Dataset& vectors, GeometryBlock& bloc
               });
 }
 
-SampledVolumes sampledVolumes(std::span<const FilterSource> sources, const std::string& filter) {
-  checkNames(sources, filter);
+SampledVolumes sampledVolumes(std::span<const FilterSource> sources, const std::string& filter,
+                              bool gradient) {
+  checkNames(sources, filter, gradient);
   SampledVolumes all;
   for (const FilterSource& source : sources) {
     const auto& volume = source.data->volume;

@@ -16,8 +16,9 @@ namespace gxy {
 /// expressions.
 std::string nameOfComponent(const std::string& name, int components, int component);
 
-/// Throws Error that begins with `filter` if two of the sources have one name.
-void checkNames(std::span<const FilterSource> sources, const std::string& filter);
+/// Throws Error that begins with `filter` if two of the sources have one name, or if one is called as recorded gradients are and there
+/// are such (`gradient`).
+void checkNames(std::span<const FilterSource> sources, const std::string& filter, bool gradient = false);
 
 /// What the field of recorded gradients is called.
 inline constexpr const char* kGradientField = "gradient";
@@ -51,6 +52,7 @@ struct SampledVolumes {
   std::vector<PointField> fields;  ///< names and numbers of components
 };
 /// Throws Error if two of the volumes have one name, or for too many components.
-SampledVolumes sampledVolumes(std::span<const FilterSource> sources, const std::string& filter);
+SampledVolumes sampledVolumes(std::span<const FilterSource> sources, const std::string& filter,
+                              bool gradient);
 
 }  // namespace gxy

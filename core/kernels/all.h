@@ -8,6 +8,7 @@
 #include "core/kernels/roundcone.h"
 #include "core/kernels/tube.h"
 #include "core/kernels/triangle.h"
+#include "core/kernels/face.h"
 #include "core/kernels/offset.h"
 #include "core/kernels/light.h"
 // clang-format on

@@ -53,6 +53,24 @@ TEST(RaySampler, RecordsSeveralFieldsByTheNamesOfItsInputs) {
   EXPECT_EQ(rayPoints(properties, kdCut(unitCube(), 11, 3, 4)), all);
 }
 
+TEST(RaySampler, RefusesAnInputThatIsCalledAsTheGradientsAre) {
+  const Evaluation evaluation{{}, {{"gradient", {&alongX()}}}};
+  const auto made = [&](const std::string& more) {
+    return evaluateOn<RaySampler>(whole(unitCube()), evaluation,
+                                  R"({"operators":[{"dataset":"gradient","isovalues":[0.5]}],"lines":100,
+                                      "values":"gradient")" +
+                                      more + "}");
+  };
+  EXPECT_EQ(made("").names, (std::vector<std::string>{"gradient"}));
+  try {
+    made(R"(,"gradient":true)");
+    FAIL() << "expected an error";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("expected another name or no `gradient`"), std::string::npos)
+        << e.what();
+  }
+}
+
 TEST(RaySampler, SendsRaysOfACameraAndOfADocument) {
   const SampledPoints camera = rayPoints(R"({"operators":[{"dataset":"x","planes":[[0,0,1,0.5]]}],
     "camera":{"viewpoint":[0.5,0.5,3],"viewdirection":[0,0,-1],"viewup":[0,1,0],"aov":0,"height":2,"dimensions":[40,40]}})");

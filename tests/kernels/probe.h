@@ -2,7 +2,7 @@
 // Every function of core/kernels/all.h, philox.h and random_line.h on seeded inputs, in the common dialect: probe(f, i) is a number that function f
 // computes from input i. C++, ISPC and GLSL read it after that file; their results have the same bits.
 
-#define PROBES 48
+#define PROBES 51
 
 // In [lo, hi).
 FN real drawIn(uint i, uint salt, real lo, real hi) { return lo + (hi - lo) * unitReal(hash2(i, salt)); }
@@ -190,6 +190,27 @@ FN real probeRandom(int f, uint i) {
   return unitReal(a ^ (b >> 1u)) + unitReal(c ^ (d >> 1u));
 }
 
+// A tetrahedron around the ray, often with corners on it or beside each other.
+FN real probeFace(int f, uint i) {
+  real step = (hash1(i) & 1u) == 0u ? R(0.25) : R(1e-3);
+  vec3 a = drawPoint(i, 120u, R(1.0));
+  vec3 b = drawPoint(i, 123u, R(1.0));
+  vec3 c = drawPoint(i, 126u, R(1.0));
+  a = make_v3(floor(a.x / step) * step, floor(a.y / step) * step, a.z);
+  b = make_v3(floor(b.x / step) * step, floor(b.y / step) * step, b.z);
+  c = make_v3(floor(c.x / step) * step, floor(c.y / step) * step, c.z);
+  if (f == 48) return toReal(triangleSign(a, b, c)) + a.z;
+  real depth;
+  real weightB;
+  real weightC;
+  trianglePoint(a, b, c, depth, weightB, weightC);
+  if (f == 49) return (depth + weightB) + R(2.0) * weightC;
+  real entering = (hash2(i, 130u) & 1u) == 0u ? R(1.0) : R(0.0);
+  vec4 sign = make_v4(R(1.0), entering, -entering, R(-1.0));
+  vec4 t = make_v4(floor(a.x * R(2.0)), floor(a.y * R(2.0)), floor(b.x * R(2.0)), floor(b.y * R(2.0)));
+  return toReal(pairedFace(sign, t, 0) + 4 * pairedFace(sign, t, 3)) + a.z;
+}
+
 FN real probe(int f, uint i) {
   if (f < 7) return probeElementary(f, i);
   if (f < 11) return probeBox(f, i);
@@ -198,5 +219,6 @@ FN real probe(int f, uint i) {
   if (f < 32) return probeLight(f, i);
   if (f < 38) return probeTube(f, i);
   if (f < 41) return probeNumbers(f, i);
-  return probeRandom(f, i);
+  if (f < 48) return probeRandom(f, i);
+  return probeFace(f, i);
 }
