@@ -207,11 +207,20 @@ TEST(Tolerances, SmallerOnesMakeNoLineWorse) {
   const auto turned = [&](double tolerance) {
     return rotation.trace(seeds, {.tolerance = tolerance, .time = 20 * pi, .length = 1e3});
   };
-  const Lines finest = turned(1e-4);
+  const Grid cube = gridOver(V(0), V(2 * pi), {9, 9, 9});
+  const Flow abc(cube, abcFlow);
+  const auto followed = [&](double tolerance) {
+    return abc.trace({{1, 2, 3}, {4, 2.5, 1}}, {.tolerance = tolerance, .length = 10});
+  };
+  const Lines finest = turned(1e-4), finestOfAbc = followed(1e-4);
+  EXPECT_FALSE(sameBits(followed(1e-3).points.position, finestOfAbc.points.position)) << "the test can fail";
   for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-300}) {
     SCOPED_TRACE(tolerance);
     const Lines lines = turned(tolerance);
-    if (tolerance < 1e-4) expectSameLines(lines, finest, "the line of 1e-4");
+    if (tolerance < 1e-4) {
+      expectSameLines(lines, finest, "the line of 1e-4");
+      expectSameLines(followed(tolerance), finestOfAbc, "the line of 1e-4");
+    }
     ASSERT_EQ(lines.count(EndReason::Time), seeds.size());
     for (const LineEnd& e : lines.ends) {
       EXPECT_EQ(e.time, 20 * pi);
