@@ -38,8 +38,9 @@ std::optional<size_t> placeIn(const json& list, const json& step) {
 class Edit {
  public:
   /// `isWhole` becomes true where only the whole document of before undoes an edit.
-  Edit(json& document, json& inverse, bool& isWhole)
-      : document_(document), inverse_(inverse), isWhole_(isWhole) {}
+  Edit(json& document, json& inverse, bool& isWhole,
+       std::vector<std::pair<std::string, std::string>>& renamedViews)
+      : document_(document), inverse_(inverse), isWhole_(isWhole), renamedViews_(renamedViews) {}
 
   void apply(const json& edit) {
     if (!edit.is_object()) throw Error("expected an object, found " + found(edit));
@@ -162,6 +163,7 @@ class Edit {
   json& document_;
   json& inverse_;
   bool& isWhole_;
+  std::vector<std::pair<std::string, std::string>>& renamedViews_;
 };
 
 /// Gives names that refer to an element another one.
@@ -247,6 +249,7 @@ void Edit::rename(const json& path, const json& edit) {
     inverse_.push_back({{"rename", json{section, name}}, {"to", from}});
   element["name"] = name;
   references.replace(from, name);
+  if (section == "Visualizations") renamedViews_.emplace_back(from, name);
 }
 
 }  // namespace
@@ -271,7 +274,7 @@ EditedDocument edited(const json& document, const json& edits) {
   json inverse = json::array();
   bool isWhole = false;
   for (size_t i = 0; i < edits.size(); i++) try {
-      Edit(out.document, inverse, isWhole).apply(edits[i]);
+      Edit(out.document, inverse, isWhole, out.renamedViews).apply(edits[i]);
     } catch (const Error& e) {
       throw Error("edit: `edits`[" + std::to_string(i) + "]: " + e.what());
     }

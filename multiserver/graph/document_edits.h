@@ -2,12 +2,16 @@
 // Edits of the JSON of a graph document.
 #pragma once
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace gxy {
 
 /// What edits make of a document, and the edits that undo them.
 struct EditedDocument {
   nlohmann::json document, inverse;
+  std::vector<std::pair<std::string, std::string>> renamedViews{};  ///< from and to, in order
 };
 
 /// Applies a list of edits, one after the other. Each is an object with one of

@@ -59,7 +59,8 @@ json Graph::edit(const json& edits, bool live, const Client& by, const StateRead
   const std::lock_guard lock(mutex_);
   checkNotEnded();
   commit(std::move(read), std::move(memory), live,
-         {{"event", "graph"}, {"graph", name_}, {"by", by.json()}, {"edits", edits}, {"live", live}});
+         {{"event", "graph"}, {"graph", name_}, {"by", by.json()}, {"edits", edits}, {"live", live}},
+         made.renamedViews);
   return {{"revision", revision_}, {"inverse", std::move(made.inverse)}, {"warnings", std::move(warnings)}};
 }
 
@@ -86,7 +87,8 @@ StateReader Graph::withRoom(const StateReader& readState) {
 }
 
 // With the lock held, like all that follow here without a lock of their own.
-void Graph::commit(GraphDocument document, LedgerEntry memory, bool live, const json& event) {
+void Graph::commit(GraphDocument document, LedgerEntry memory, bool live, const json& event,
+                   const std::vector<std::pair<std::string, std::string>>& renamedViews) {
   try {
     flow_.edit(document.flow, live);
   } catch (const Error& e) {
@@ -95,6 +97,7 @@ void Graph::commit(GraphDocument document, LedgerEntry memory, bool live, const 
   }
   document_ = std::move(document);
   documentMemory_ = std::move(memory);
+  for (const auto& renamed : renamedViews) follow(renamed);
   revision_++;
   if (!event.is_null()) {
     json told = event;
@@ -248,14 +251,16 @@ uint64_t Graph::show(const std::string& view, std::function<void()> changed) {
   checkNotEnded();
   const uint64_t window = nextWindow_++;
   windows_[view][window] = std::move(changed);
+  viewOf_[window] = view;
   flow_.show(view);
   act();
   wantNews();
   return window;
 }
 
-void Graph::hide(const std::string& view, uint64_t window) {
+void Graph::hide(uint64_t window) {
   const std::lock_guard lock(mutex_);
+  const std::string view = viewOf_.extract(window).mapped();
   auto& windows = windows_[view];
   windows.erase(window);
   if (!windows.empty()) return;
@@ -265,6 +270,20 @@ void Graph::hide(const std::string& view, uint64_t window) {
   flow_.hide(view);
   act();
   wantNews();
+}
+
+// Windows on a view go with it where it is renamed.
+void Graph::follow(const std::pair<std::string, std::string>& renamed) {
+  const auto& [from, to] = renamed;
+  auto windows = windows_.extract(from);
+  if (windows.empty()) return;
+  for (auto& [number, changed] : windows.mapped()) {
+    viewOf_[number] = to;
+    windows_[to][number] = std::move(changed);
+  }
+  if (auto shown = shown_.extract(from)) shown_[to] = std::move(shown.mapped());
+  flow_.hide(from);
+  flow_.show(to);
 }
 
 void Graph::viewsChanged() {

@@ -13,6 +13,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/flow/flow.h"
@@ -81,7 +82,9 @@ class Graph : public std::enable_shared_from_this<Graph> {
 
   /// A window shows a view from now on; `changed` is called on a thread that may wait, when content() may be another. Returns its number.
   uint64_t show(const std::string& view, std::function<void()> changed);
-  void hide(const std::string& view, uint64_t window);
+  void hide(uint64_t window);
+  /// What a window shows, or one on a view would. A window goes with its view where that is renamed.
+  ViewContent content(uint64_t window) const;
   ViewContent content(const std::string& view) const;
 
   /// Data of this name may be others.
@@ -175,7 +178,8 @@ class Graph : public std::enable_shared_from_this<Graph> {
   void checkNotEnded() const;
   LedgerEntry roomFor(const GraphDocument& document);
   StateReader withRoom(const StateReader& readState);
-  void commit(GraphDocument document, LedgerEntry memory, bool live, const nlohmann::json& event);
+  void commit(GraphDocument document, LedgerEntry memory, bool live, const nlohmann::json& event,
+              const std::vector<std::pair<std::string, std::string>>& renamedViews = {});
   void dropWhatTheDocumentHasNot();
   void dropImported(const std::string& source);
   void lookAtData();
@@ -183,6 +187,8 @@ class Graph : public std::enable_shared_from_this<Graph> {
   void post(std::function<void()> task);
   bool isLookPosted() const;
   void postUnlessEnding(std::function<void()> task);
+  ViewContent contentOf(const std::string& view) const;
+  void follow(const std::pair<std::string, std::string>& renamedView);
   void viewsChanged();
   void release();
 
@@ -272,6 +278,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
 
   uint64_t serial_ = 0, nextWindow_ = 1;
   std::map<std::string, std::map<uint64_t, std::function<void()>>> windows_;  ///< by view
+  std::map<uint64_t, std::string> viewOf_;                                    ///< by window
   std::map<std::string, Shown> shown_;                                        ///< by view
   std::map<std::string, Series> series_;                                      ///< by node
   std::map<std::string, Writing> writing_;                                    ///< outputs that are being made

@@ -39,8 +39,17 @@ std::string Graph::failureOf(const std::vector<ShownItem>& items) const {
   return "";
 }
 
+ViewContent Graph::content(uint64_t window) const {
+  const std::lock_guard lock(mutex_);
+  return contentOf(viewOf_.at(window));
+}
+
 ViewContent Graph::content(const std::string& view) const {
   const std::lock_guard lock(mutex_);
+  return contentOf(view);
+}
+
+ViewContent Graph::contentOf(const std::string& view) const {
   ViewContent content;
   content.serial = serial_;
   content.revision = revision_;

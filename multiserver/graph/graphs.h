@@ -20,17 +20,16 @@ namespace gxy {
 class GraphView {
  public:
   /// `changed` is called on a thread that may wait, when content() may be another. It must not keep the view alive.
-  GraphView(std::shared_ptr<Graph> graph, std::string view, std::function<void()> changed)
-      : graph_(std::move(graph)), view_(std::move(view)), window_(graph_->show(view_, std::move(changed))) {}
-  ~GraphView() { graph_->hide(view_, window_); }
+  GraphView(std::shared_ptr<Graph> graph, const std::string& view, std::function<void()> changed)
+      : graph_(std::move(graph)), window_(graph_->show(view, std::move(changed))) {}
+  ~GraphView() { graph_->hide(window_); }
   GraphView(const GraphView&) = delete;
   GraphView& operator=(const GraphView&) = delete;
 
-  ViewContent content() const { return graph_->content(view_); }
+  ViewContent content() const { return graph_->content(window_); }
 
  private:
   const std::shared_ptr<Graph> graph_;
-  const std::string view_;
   const uint64_t window_;
 };
 

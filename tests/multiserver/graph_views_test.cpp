@@ -94,6 +94,34 @@ TEST(GraphViews, FollowTheirData) {
   EXPECT_EQ(c.screen.picture(1).rgba, plainPicture(c, plain));
 }
 
+TEST(GraphViews, TakeTheirWindowsAlongWhereTheyAreRenamed) {
+  const auto server = serveGraphs(2);
+  GraphClient c(*server);
+  c.say(importBall("ball"));
+  c.say(newGraph({liveVolume("ball"), kSeeds}, json::array({viewOf("a", {"ball"}), viewOf("b", {"ball"})})));
+  c.say(R"(viewer.show 1 {"graph": "g", "view": "a"})");
+  c.untilState("a", "done", "view");
+  EXPECT_EQ(c.screen.waitFor(1, c.say("render 1").at("frame")).status, "complete");
+  const auto first = c.screen.picture(1).rgba;
+  // The two views take each other's names; the window stays with what it shows.
+  const auto rename = [](const char* view, const char* to) {
+    return json{{"rename", {"Visualizations", view}}, {"to", to}};
+  };
+  const json made = c.edit({rename("a", "c"), rename("b", "a"), rename("c", "b")});
+  const auto cutAt = [](const char* view, double at) {
+    return json{{"set", {"Visualizations", view, "operators", 0, "clip planes"}}, {"to", {{1, 0, 0, at}}}};
+  };
+  c.edit(json::array({cutAt("a", 0.25)}));
+  EXPECT_EQ(c.state("a", "view"), "waiting") << "no window shows it";
+  c.edit(json::array({cutAt("b", 0.0)}));
+  until([&] { return c.screen.picture(1).rgba != first; }, "the view's look is another");
+  c.edit(json::array({{{"remove", {"Visualizations", "b", "operators", 0, "clip planes"}}}}));
+  until([&] { return c.screen.picture(1).rgba == first; }, "its look is as it was");
+  c.edit(made.at("inverse"));
+  c.edit(json::array({cutAt("a", 0.0)}));
+  until([&] { return c.screen.picture(1).rgba != first; }, "its name is as it was");
+}
+
 TEST(GraphViews, ThatHaveNothingToShowSayWhy) {
   const auto server = serveGraphs(1);
   GraphClient c(*server);
