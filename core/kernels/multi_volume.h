@@ -11,8 +11,6 @@
 // Each dialect supplies VOLUMES, a list of the operators that are volume rendered, VOLUME_AT(s, list, k), its
 // k-th volume, and holdsSamples(v), whether this partition has samples of it.
 
-#define MANY_VOLUMES 8
-
 // The position of a ray in one volume: part [a, b) of segment `index` of the `count` equal ones of a stretch,
 // with its extinction and source. A stretch is the ray in a macrocell, or in a cell of a macrocell that goes
 // cell by cell.

@@ -7,6 +7,9 @@
 #define KIND_PATHLINES 2
 #define KIND_TRIANGLES 3
 
+// The most volumes that one march integrates together (multi_volume.h).
+#define MANY_VOLUMES 8
+
 struct OperatorView {
   int kind;
   int rendered;  // whether it is a volume that is volume rendered
