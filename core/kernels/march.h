@@ -21,10 +21,10 @@ FN void addMean(real s0, real s1, vec3 c0, vec3 c1, real part, INOUT(real) sigma
 
 // Means over values spread evenly over [s0, s1]. They are exact for the map, whatever nodes it has between
 // them (pre-integration by antiderivatives; Engel 2001, Williams & Max 1992).
-FN MapMean meanAlong(VOLUME v, real s0, real s1) {
+FN MapMean meanAlong(MAP map, real s0, real s1) {
   real lo = min(s0, s1), hi = max(s0, s1);
-  MapPlace p = mapPlace(v, lo), q = mapPlace(v, hi);
-  MapPiece first = mapPiece(v, p.k), last = mapPiece(v, q.k);
+  MapPlace p = mapPlace(map, lo), q = mapPlace(map, hi);
+  MapPiece first = mapPiece(map, p.k), last = mapPiece(map, q.k);
   real a0 = sigmaAt(first, p.f), b1 = sigmaAt(last, q.f);
   vec3 c0 = colorAt(first, p.f), d1 = colorAt(last, q.f);
   bool rising = s0 <= s1;
@@ -42,25 +42,26 @@ FN MapMean meanAlong(VOLUME v, real s0, real s1) {
     // From lo to the end of its interval, the whole intervals between, and from the start of the last
     // interval to hi.
     real inverse = R(1.0) / (hi - lo);
-    real partP = (mapNode(v, p.k + 1) - lo) * inverse, partQ = (hi - mapNode(v, q.k)) * inverse;
+    real partP = (mapNode(map, p.k + 1) - lo) * inverse, partQ = (hi - mapNode(map, q.k)) * inverse;
     real a1 = sigmaAt(first, R(1.0)), b0 = last.sigma;
     vec3 c1 = colorAt(first, R(1.0)), d0 = last.color;
     addMean(a0, a1, c0, c1, partP, sigma, source);
     addMean(b0, b1, d0, d1, partQ, sigma, source);
     if (q.k > p.k + 1) {
-      MapSum y = mapSum(v, q.k);
+      MapSum y = mapSum(map, q.k);
       int from = p.k + 1;
-      int opaque = mapOpaque(v, q.k);
+      int opaque = mapOpaque(map, q.k);
       if (opaque > p.k) {  // sums begin anew behind it, so it and what is before it are added by themselves
-        MapPiece o = mapPiece(v, opaque);
+        MapPiece o = mapPiece(map, opaque);
         addMean(o.sigma, sigmaAt(o, R(1.0)), o.color, colorAt(o, R(1.0)),
-                (mapNode(v, opaque + 1) - mapNode(v, opaque)) * inverse, sigma, source);
-        MapSum z = mapSum(v, opaque);
+                (mapNode(map, opaque + 1) - mapNode(map, opaque)) * inverse, sigma, source);
+        MapSum z = mapSum(map, opaque);
         y.sigma += z.sigma;
         y.source = make_v3(y.source.x + z.source.x, y.source.y + z.source.y, y.source.z + z.source.z);
-        if (mapOpaque(v, opaque) > p.k) from = 0;  // hidden by two opaque intervals, so nothing is subtracted
+        if (mapOpaque(map, opaque) > p.k)
+          from = 0;  // hidden by two opaque intervals, so nothing is subtracted
       }
-      MapSum x = mapSum(v, from);
+      MapSum x = mapSum(map, from);
       sigma += ((y.sigma - x.sigma) + (y.sigmaRest - x.sigmaRest)) * inverse;
       source.x += ((y.source.x - x.source.x) + (y.sourceRest.x - x.sourceRest.x)) * inverse;
       source.y += ((y.source.y - x.source.y) + (y.sourceRest.y - x.sourceRest.y)) * inverse;
@@ -155,7 +156,7 @@ FN real smallestPiece(real uFrom, real uTo) { return max(R(0.0005) * (uTo - uFro
 
 // Adds the pieces from uFrom to uTo of a cell, `span` long, whose value has extrema at turns0 and turns1 (1:
 // none). The value is taken as linear along each piece.
-FN void addPieces(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span, real tMin,
+FN void addPieces(MAP map, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span, real tMin,
                   INOUT(vec3) rgb, INOUT(real) A) {
   real from = uFrom, s = valueOn(c, uFrom), most = R(1.0), smallest = smallestPiece(uFrom, uTo);
   bool more = true;
@@ -164,7 +165,7 @@ FN void addPieces(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, r
     bool whole = upTo - from <= most;
     real to = whole ? upTo : from + most;
     real part = to - from, s1 = valueOn(c, to);
-    MapMean m = meanAlong(v, s, s1);
+    MapMean m = meanAlong(map, s, s1);
     more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, mapCurvatureError(m),
                     stepPositionError(m, s, valueOn(c, from + R(0.5) * part), s1), part <= smallest, tMin,
                     rgb, A);
@@ -181,10 +182,10 @@ FN void addPieces(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, r
 
 // The same through a map of few intervals, without sums. A piece also ends where the value leaves its
 // interval, at a root of the cubic. So steps of the map are where they should be, however long segments are.
-FN void integrateCellExact(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span,
+FN void integrateCellExact(MAP map, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span,
                            real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real from = uFrom, s = valueOn(c, uFrom);
-  MapPlace place = mapPlace(v, s);
+  MapPlace place = mapPlace(map, s);
   int k = place.k;
   real f0 = place.f;
   real most = R(1.0), smallest = smallestPiece(uFrom, uTo);
@@ -195,10 +196,10 @@ FN void integrateCellExact(VOLUME v, CellCurve c, real turns0, real turns1, real
     bool rising = s1 > s;
     int behind = rising ? k + 1 : k;  // the node through which the value leaves
     bool leaves = false;
-    if (abs(s1 - s) > R(1e-35) && behind > 0 && behind < mapIntervals(v))
-      leaves = rising == (s1 >= mapNode(v, behind));
+    if (abs(s1 - s) > R(1e-35) && behind > 0 && behind < map.intervals)
+      leaves = rising == (s1 >= mapNode(map, behind));
     if (leaves) {
-      real node = mapNode(v, behind);
+      real node = mapNode(map, behind);
       vec4 b = make_v4(c.cubic.x - node, c.cubic.y - node, c.cubic.z - node, c.cubic.w - node);
       real before = flushSmall(s - node), after = flushSmall(s1 - node);
       if (after != R(0.0)) to = refineRoot(b, from, to, before, after, R(1e-4));
@@ -210,10 +211,10 @@ FN void integrateCellExact(VOLUME v, CellCurve c, real turns0, real turns1, real
       s1 = valueOn(c, to);
       leaves = false;
     }
-    real f1 = clamp1((s1 - mapNode(v, k)) * mapInverseLength(v, k), R(0.0), R(1.0));
+    real f1 = clamp1((s1 - mapNode(map, k)) * mapInverseLength(map, k), R(0.0), R(1.0));
     if (leaves) f1 = rising ? R(1.0) : R(0.0);
     real part = to - from;
-    MapPiece m = mapPiece(v, k);
+    MapPiece m = mapPiece(map, k);
     vec3 front = colorAt(m, f0), back = colorAt(m, f1);
     real sigma = R(0.0);
     vec3 source = make_v3(R(0.0), R(0.0), R(0.0));
@@ -254,8 +255,8 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
 // integrated exactly; for a map of few intervals it is also cut where the value leaves an interval. One loop
 // does all macrocells, so that the rays of a gang, which stay in each for different numbers of cells, do not
 // wait for each other. What lies before t is done elsewhere. Clears `go` where the march ends.
-FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, int plan, real end,
-                               INOUT(Radiance) L, INOUT(int) samples, INOUT(int) macrocells,
+FN_OUTLINE void integrateCells(MAP map, VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, int plan,
+                               real end, INOUT(Radiance) L, INOUT(int) samples, INOUT(int) macrocells,
                                INOUT(int) segmentsSkipped, OUT(real) leaves, INOUT(bool) go) {
   real from = max(tEnter, t);
   ivec3 cells = gridCells(v);
@@ -283,9 +284,9 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
       bool even = curve.low == curve.high,
            seen = true;  // even: within one interval of the map; seen: it shows something
       real turns0 = R(1.0), turns1 = R(1.0);
-      if (mapIsSmall(v)) {
-        MapPlace p = mapPlace(v, curve.low), q = mapPlace(v, curve.high);
-        MapPiece piece = mapPiece(v, p.k);
+      if (mapIsSmall(map)) {
+        MapPlace p = mapPlace(map, curve.low), q = mapPlace(map, curve.high);
+        MapPiece piece = mapPiece(map, p.k);
         even = p.k == q.k;
         seen = !even || piece.sigma != R(0.0) || piece.sigmaStep != R(0.0);
       }
@@ -306,10 +307,10 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
         } else {
           evaluated += 1;
           real uTo = b < tc ? (b - ta) / span : R(1.0);
-          if (mapIsSmall(v))
-            integrateCellExact(v, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
+          if (mapIsSmall(map))
+            integrateCellExact(map, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
           else
-            addPieces(v, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
+            addPieces(map, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
           u = uTo;
           a = b;
           if (b >= end || R(1.0) - A < m.tMin) go = false;
@@ -341,15 +342,15 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
 }
 
 // Adds the midpoint segment of `length` in whose middle the value is s; nothing if there is no data.
-FN void addSample(VOLUME v, real s, real length, real tMin, INOUT(vec3) rgb, INOUT(real) A,
+FN void addSample(MAP map, real s, real length, real tMin, INOUT(vec3) rgb, INOUT(real) A,
                   INOUT(int) samples) {
   if (length > R(0.0)) {
     samples += 1;
     if (s - s == R(0.0)) {
-      MapPlace p = mapPlace(v, s);
+      MapPlace p = mapPlace(map, s);
       // Colours are fetched only if some ray of the gang sees something.
-      real sigma = sigmaAt(mapPiece(v, p.k), p.f);
-      if (sigma > R(0.0)) addSegment(rgb, A, sigma * length, colorAt(mapPiece(v, p.k), p.f), tMin);
+      real sigma = sigmaAt(mapPiece(map, p.k), p.f);
+      if (sigma > R(0.0)) addSegment(rgb, A, sigma * length, colorAt(mapPiece(map, p.k), p.f), tMin);
     }
   }
 }
@@ -399,7 +400,7 @@ FN void strideFrom(VOLUME v, GridRay g, StrideUnits u, real t, int plan, OUT(rea
 //
 // `begun`: where the first segment begins if the partition before has handed it on, else -1; on return the
 // same for the partition behind.
-FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, INOUT(Radiance) L,
+FN void integrateVolume(MAP map, VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, INOUT(Radiance) L,
                         INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
   real last = min(end, m.tOut);
@@ -465,7 +466,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
             anyCellwise(v)) {  // GLSL compiles none of this for scenes without such macrocells
           // Copies, so that references in the call do not keep the loop's own variables in memory.
           VolumeRay ray = r;
-          addSample(v, s, length, m.tMin, rgb, A, samples);
+          addSample(map, s, length, m.tMin, rgb, A, samples);
           length = R(0.0);
           Radiance sum;
           sum.rgb = rgb;
@@ -474,7 +475,8 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
           real leaves = tHere;
           bool on = R(1.0) - A >= m.tMin;
           if (on)
-            integrateCells(v, ray, m, from, tHere, planHere, end, sum, counted, entered, passed, leaves, on);
+            integrateCells(map, v, ray, m, from, tHere, planHere, end, sum, counted, entered, passed, leaves,
+                           on);
           rgb = sum.rgb;
           A = sum.A;
           samples = counted;
@@ -530,14 +532,14 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     }
     if (at != passed && isMidpoint(plan)) macrocells += 1;
     strideFrom(v, r.g, units, b, plan, nextLength, nextReach, nextAt, nextPlan);
-    addSample(v, s, length, m.tMin, rgb, A, samples);
+    addSample(map, s, length, m.tMin, rgb, A, samples);
     s = valueIn(k, fractionOf(c, p));
     length = middle - t;
     if (two) {
       vec3 q = pointAt(r.g, R(0.5) * (middle + b));
       ivec3 e = cellAt(v, q);
       CellValues l = cellValues(v, e);
-      addSample(v, s, R(1.0) - A >= m.tMin ? length : R(0.0), m.tMin, rgb, A, samples);
+      addSample(map, s, R(1.0) - A >= m.tMin ? length : R(0.0), m.tMin, rgb, A, samples);
       s = valueIn(l, fractionOf(e, q));
       length = b - middle;
     }
@@ -549,7 +551,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     }
     END_OF_SEGMENTS(isMidpoint(plan) && t < limit && R(1.0) - A >= m.tMin)
   }
-  if (R(1.0) - A >= m.tMin) addSample(v, s, length, m.tMin, rgb, A, samples);
+  if (R(1.0) - A >= m.tMin) addSample(map, s, length, m.tMin, rgb, A, samples);
   L.rgb = rgb;
   L.A = A;
   n.samples += samples;
