@@ -64,9 +64,9 @@ void EmbreeSampling::record(const single::SceneView& scene, int partition, RayVi
                 uint32_t(rays.hitKind[i]),
                 rays.hitPrimitive[i],
                 partition},
-               values.data() + k,
+               values.empty() ? nullptr : values.data() + k,
                n,
-               gradients.data() + (s.gradient ? 3 * k : 0)},
+               gradients.empty() ? nullptr : gradients.data() + 3 * k},
               samples);
   }
 }

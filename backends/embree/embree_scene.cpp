@@ -27,6 +27,7 @@ struct EmbreeFrame final : DeviceFrame {
   bool depth = false;
   double worldPerRender = 1;
   std::unique_ptr<const EmbreeSampling> sampling;  // null unless its rays sample
+  EnterMemory enter;                               // of a sampling
 };
 
 // Adds the time that it lives to a counter.
@@ -125,12 +126,13 @@ std::shared_ptr<const DeviceFrame> EmbreeScene::makeFrame(const CompiledFrame& f
   return frame;
 }
 
-std::shared_ptr<const DeviceFrame> EmbreeScene::makeSampling(
-    std::shared_ptr<const CompiledSampling> sampling) const {
+std::shared_ptr<const DeviceFrame> EmbreeScene::makeSampling(std::shared_ptr<const CompiledSampling> sampling,
+                                                             EnterMemory enter) const {
   std::vector<int> partitions;
   for (const auto& [p, part] : parts_) partitions.push_back(p);
   auto frame = std::make_shared<EmbreeFrame>();
   frame->sampling = std::make_unique<const EmbreeSampling>(std::move(sampling), partitions);
+  frame->enter = std::move(enter);
   return frame;
 }
 
@@ -257,7 +259,7 @@ class EmbreeScene::Packet {
     if (!which.empty()) {
       if (primary_) shade(rays, which);
       if (frame_.sampling)
-        frame_.sampling->record(part_.view, partition_, view, which, result_.samples);
+        record(view, which);
       else
         ispc::passSurfaces(&part_.view, &view, n);
     }
@@ -282,6 +284,11 @@ class EmbreeScene::Packet {
     }
     if (which.size() + active.size() < size_t(n)) distribute(std::move(rays), primary_, result_.leaving);
     return rest;
+  }
+
+  void record(RayView& view, const std::vector<int>& which) {
+    frame_.sampling->record(part_.view, partition_, view, which, result_.samples.list);
+    if (!result_.samples.enter(frame_.enter, false)) frame_.cancel();
   }
 
   void shade(RayList& rays, const std::vector<int>& which) {

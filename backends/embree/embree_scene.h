@@ -23,8 +23,8 @@ class EmbreeScene final : public DeviceScene {
               const Advance& advance);
 
   std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override;
-  std::shared_ptr<const DeviceFrame> makeSampling(
-      std::shared_ptr<const CompiledSampling> sampling) const override;
+  std::shared_ptr<const DeviceFrame> makeSampling(std::shared_ptr<const CompiledSampling> sampling,
+                                                  EnterMemory enter) const override;
   void spawn(const DeviceFrame& frame, const SpawnTile& tile, Done done) const override;
   void spawnRays(const DeviceFrame& frame, RayList rays, Done done) const override;
   void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override;

@@ -180,7 +180,9 @@ void Batch::takeRecords() {
   const int32_t* r = lane.records();
   if (frame_.sampling) {
     const size_t words = lane.count(COUNT_RECORDS) * frame_.sampling->words();
-    return frame_.sampling->take({r, words}, part_.partition, all.samples);
+    frame_.sampling->take({r, words}, part_.partition, all.samples.list);
+    if (!all.samples.enter(frame_.enter, false)) frame_.cancel();
+    return;
   }
   all.contributions.reserve(all.contributions.size() + lane.count(COUNT_RECORDS));
   for (uint32_t i = 0; i < lane.count(COUNT_RECORDS); i++, r += RECORD_WORDS)

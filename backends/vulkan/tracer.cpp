@@ -18,6 +18,8 @@ namespace {
 
 // One that the device does, one that it does next, and one that the host reads or prepares.
 constexpr size_t kBatchesAtOnce = 3;
+// A batch of a sampling may take thousands of submissions. One lane is left for pictures.
+constexpr size_t kSamplingsAtOnce = kBatchesAtOnce - 1;
 // This many batches of other frames are small after an urgent request, which is about a second of the
 // device's time.
 constexpr size_t kWatchedFor = 200;
@@ -45,7 +47,10 @@ struct Tracer::State {
     endCancelled();
     std::unique_lock lock(mutex);
     while (!waiting.empty() && (!idle.empty() || lanes < kBatchesAtOnce)) {
-      auto batch = std::make_unique<Batch>(nextLot());
+      const auto next = nextInTurn();
+      if (next == waiting.end()) return;
+      auto batch = std::make_unique<Batch>(lotFrom(next));
+      samplings += batch->samples();
       std::unique_ptr<Lane> lane;
       if (idle.empty()) {
         lanes++;
@@ -83,19 +88,22 @@ struct Tracer::State {
     endUndone(ended, {});
   }
 
-  // The first request of the urgent frame whose turn was longest ago; otherwise the first of all. (Locked.)
+  // The first request of the urgent frame whose turn was longest ago; otherwise the first of all. None if all are of samplings,
+  // which have their lanes. (Locked.)
   std::deque<DeviceTask>::iterator nextInTurn() {
-    auto next = waiting.end();
-    for (auto r = waiting.begin(); r != waiting.end(); ++r)
+    auto first = waiting.end(), next = waiting.end();
+    for (auto r = waiting.begin(); r != waiting.end(); ++r) {
+      if (r->frame->sampling && samplings == kSamplingsAtOnce) continue;
+      if (first == waiting.end()) first = r;
       if (r->frame->urgent() && (next == waiting.end() || r->frame->lastTurn < next->frame->lastTurn))
         next = r;
-    return next == waiting.end() ? waiting.begin() : next;
+    }
+    return next == waiting.end() ? first : next;
   }
 
-  // Takes the next request, and others that are like it, up to a batch. (Locked.)
-  std::vector<DeviceTask> nextLot() {
+  // Takes a request, and others that are like it, up to a batch. (Locked.)
+  std::vector<DeviceTask> lotFrom(std::deque<DeviceTask>::iterator r) {
     std::vector<DeviceTask> lot;
-    auto r = nextInTurn();
     r->urgent = r->frame->urgent();
     r->frame->lastTurn = ++turns;
     const size_t each = 1 + r->perHit();
@@ -130,6 +138,7 @@ struct Tracer::State {
     {
       std::unique_ptr<Lane> lane = batch.takeLane();
       std::lock_guard lock(mutex);
+      samplings -= batch.samples();
       if (error.empty() && !(waiting.empty() && lane->isLargerThan(allRays)))
         idle.push_back(std::move(lane));
       else
@@ -153,7 +162,8 @@ struct Tracer::State {
   size_t sinceUrgent = kWatchedFor;  ///< batches of other frames since an urgent request, at most kWatchedFor
   std::deque<std::unique_ptr<Batch>> underWay;
   std::vector<std::unique_ptr<Lane>> idle;
-  size_t lanes = 0;  ///< number of lanes, idle or not
+  size_t lanes = 0;      ///< number of lanes, idle or not
+  size_t samplings = 0;  ///< number of batches under way that sample
   bool stopping = false;
   std::thread thread;
 };

@@ -153,11 +153,12 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
   return frame;
 }
 
-std::shared_ptr<const DeviceFrame> VulkanScene::makeSampling(
-    std::shared_ptr<const CompiledSampling> sampling) const {
+std::shared_ptr<const DeviceFrame> VulkanScene::makeSampling(std::shared_ptr<const CompiledSampling> sampling,
+                                                             EnterMemory enter) const {
   std::vector<int> partitions;
   for (const auto& [p, part] : parts_) partitions.push_back(p);
   auto frame = std::make_shared<VulkanFrame>();
+  frame->enter = std::move(enter);
   try {
     frame->sampling = std::make_unique<const VulkanSampling>(
         context_->device, context_->pipelines, context_->shared, std::move(sampling), partitions, rank_);

@@ -42,6 +42,7 @@ struct VulkanFrame final : DeviceFrame {
   bool depth = false;
   double worldPerRender = 1;
   std::unique_ptr<const VulkanSampling> sampling;  ///< null unless its rays sample
+  EnterMemory enter;                               ///< of a sampling
   std::vector<Pipeline> pipelines;                 ///< of a sampling: those that only it needs
   mutable uint64_t lastTurn = 0;                   ///< for the Tracer, guarded by its lock
 };
@@ -54,7 +55,8 @@ class VulkanScene final : public DeviceScene {
 
   std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override;
   /// Null if the device has no room for the fields. The reason is logged.
-  std::shared_ptr<const DeviceFrame> makeSampling(std::shared_ptr<const CompiledSampling>) const override;
+  std::shared_ptr<const DeviceFrame> makeSampling(std::shared_ptr<const CompiledSampling> sampling,
+                                                  EnterMemory enter) const override;
   void spawnRays(const DeviceFrame& frame, RayList rays, Done done) const override;
   void spawn(const DeviceFrame& frame, const SpawnTile& tile, Done done) const override;
   void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override;

@@ -162,7 +162,7 @@ FilterResult IsosurfaceSampler::run(FilterRun& run) const {
   while (const uint64_t lines = nextRound(census, uint64_t(count), most)) {
     const auto source = std::make_shared<UniformLines>(box, uint64_t(seed), census.lines(),
                                                        census.lines() + lines, ranks.rank(), ranks.size());
-    TakenSamples more = sampler.sample(sampling, source, ranks, enter);
+    TakenSamples more = sampler.sample(sampling, source, ranks);
     census.add(more.list, lines, ranks);
     agree(ranks, [&] { samples.append(std::move(more)); });
   }

@@ -246,12 +246,11 @@ struct Generations {
 
 // Collective. Sends rays, and those that follow them.
 Generations sendAll(FilterRun& run, const RaySampler& filter, const RayPlan& plan,
-                    const std::shared_ptr<const Sampling>& sampling, std::shared_ptr<const RaySource> rays,
-                    const EnterMemory& enter) {
+                    const std::shared_ptr<const Sampling>& sampling, std::shared_ptr<const RaySource> rays) {
   Generations all;
   LedgerEntry memory;  // of `rays`
   for (int generation = 0;; generation++) {
-    TakenSamples samples = run.sampler().sample(sampling, rays, run.ranks, enter);
+    TakenSamples samples = run.sampler().sample(sampling, rays, run.ranks);
     std::shared_ptr<const NextRays> next;
     if (generation < filter.depth && plan.following() > 0)
       agree(run.ranks, [&] {
@@ -313,7 +312,7 @@ FilterResult RaySampler::run(FilterRun& run) const {
                                           run.begin(item, items, text);
                                         });
   run.begin(items - 1, items, "sending rays");
-  Generations all = sendAll(run, *this, *plan, sampling, std::move(rays), enter);
+  Generations all = sendAll(run, *this, *plan, sampling, std::move(rays));
   FilterResult result;
   result.dataset = sampledPoints(run, "ray points", std::move(all.samples), UINT64_MAX, plan->partitioning(),
                                  plan->recorded, gradient);

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <exception>
-#include <iterator>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -18,7 +17,6 @@ namespace gxy {
 
 namespace {
 
-constexpr int64_t kSampleStep = int64_t(1) << 20;
 constexpr std::chrono::milliseconds kLook{10};  // how often a waiting rank looks whether it is cancelled
 
 FlightControl::Options flightsOf(const Sampler::Options& options) {
@@ -57,23 +55,15 @@ const char* wrongAmong(const RayList& rays, const CompiledScene& scene) {
 
 }  // namespace
 
-void TakenSamples::append(TakenSamples&& other) {
-  list.append(std::move(other.list));
-  memory.insert(memory.end(), std::make_move_iterator(other.memory.begin()),
-                std::make_move_iterator(other.memory.end()));
-}
-
 /// A sampling that is under way on this rank, or whose samples have not been taken.
 struct Sampler::Run {
   std::shared_ptr<const Sampling> sampling;
   std::shared_ptr<const RaySource> source;
-  EnterMemory enter;
 
   std::mutex mutex;  ///< guards the members below
   std::condition_variable changed;
   TakenSamples samples;
   FlightBase* flight = nullptr;  ///< while it is under way here
-  int64_t room = 0;              ///< bytes of the entries
   size_t chunksDone = 0;
   bool ended = false, counts = false;
 };
@@ -181,11 +171,12 @@ std::shared_ptr<Sampling> Sampler::build(SceneBuilder& builder, SamplingSource s
   auto sampling = std::make_shared<Sampling>();
   sampling->priority = source.priority;
   sampling->account = source.account;
+  sampling->enter = enter;
   sampling->scene = builder.build(std::move(source.scene), ranks, enter, onItem);
   agree(ranks, [&] {
     sampling->compiled = compileSampling(sampling->scene.compiled, std::move(source.fields), source.recorded,
                                          std::move(source.rules), source.gradient, source.met);
-    sampling->frame = sampling->scene.device->makeSampling(sampling->compiled);
+    sampling->frame = sampling->scene.device->makeSampling(sampling->compiled, enter);
   });
   return sampling;
 }
@@ -202,11 +193,10 @@ SceneBuilder& Sampler::otherBuilder() {
 }
 
 TakenSamples Sampler::sample(std::shared_ptr<const Sampling> sampling,
-                             std::shared_ptr<const RaySource> source, Collectives& ranks,
-                             const EnterMemory& enter) {
+                             std::shared_ptr<const RaySource> source, Collectives& ranks) {
   const bool first = transport_.rank() == 0;
   const FlightId id = gatherValues<FlightId>(ranks, std::array{first ? announce() : FlightId(0)})[0][0];
-  add(id, std::move(sampling), std::move(source), enter);
+  add(id, std::move(sampling), std::move(source));
   const RunPtr run = find(id);
   ranks.allGather({});  // all have added it
   std::string error;    // of rank 0
@@ -241,11 +231,10 @@ bool Sampler::waitFor(Run& run, Collectives& ranks) {
 }
 
 void Sampler::add(FlightId id, std::shared_ptr<const Sampling> sampling,
-                  std::shared_ptr<const RaySource> source, EnterMemory enter) {
+                  std::shared_ptr<const RaySource> source) {
   auto run = std::make_shared<Run>();
   run->sampling = std::move(sampling);
   run->source = std::move(source);
-  run->enter = std::move(enter);
   const std::lock_guard lock(mutex_);
   runs_[id] = std::move(run);
 }
@@ -278,18 +267,14 @@ void Sampler::takeResult(Rays& flight, Run& run, TraceResult& result) {
     const std::lock_guard lock(mutex_);
     traced_ += result.counters;
   }
-  if (result.samples.empty() || flight.cancelled()) return;
-  try {
+  if (flight.cancelled()) return;
+  std::string refused;
+  {
     const std::lock_guard lock(run.mutex);
-    const int64_t bytes = run.samples.list.bytes() + result.samples.bytes();
-    while (run.room < bytes) {
-      run.samples.memory.push_back(run.enter("samples", kSampleStep));
-      run.room += kSampleStep;
-    }
-    run.samples.list.append(std::move(result.samples));
-  } catch (const std::exception& e) {
-    flights_.fail(flight, textOf(e));
+    run.samples.append(std::move(result.samples));
+    if (!run.samples.enter(run.sampling->enter, true)) refused = run.samples.refused;
   }
+  if (!refused.empty()) flights_.fail(flight, refused);
 }
 
 TraceCounters Sampler::traced() const {

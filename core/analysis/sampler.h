@@ -36,17 +36,9 @@ struct Sampling {
   BuiltScene scene;
   std::shared_ptr<const CompiledSampling> compiled;
   std::shared_ptr<const DeviceFrame> frame;
+  EnterMemory enter;
   Priority priority;
   std::string account;
-};
-
-/// The samples of this rank, and their entries in the ledger.
-struct TakenSamples {
-  SampleList list;
-  std::vector<LedgerEntry> memory;
-
-  /// Appends those of another call of Sampler::sample().
-  void append(TakenSamples&& other);
 };
 
 /// Carries out samplings together with the Samplers of all other ranks; each rank has one, over its Transport.
@@ -79,23 +71,21 @@ class Sampler {
   Sampler(const Sampler&) = delete;
   Sampler& operator=(const Sampler&) = delete;
 
-  /// Collective. Builds what rays of a sampling meet, on Options::other if the backend of some rank cannot sample. Throws the same
-  /// Error on all ranks.
+  /// Collective. Builds what rays of a sampling meet, on Options::other if the backend of some rank cannot sample. `enter` is asked
+  /// for room for it and, in steps of 1 MiB and by any thread, for samples as they are recorded. Throws the same Error on all ranks.
   std::shared_ptr<const Sampling> prepare(
       SamplingSource source, Collectives& ranks, const EnterMemory& enter,
       const SceneBuilder::OnItem& onItem = [](int64_t, int64_t, const std::string&) {});
 
-  /// Collective; blocks, on each rank, until all rays of all ranks have ended. `enter` is asked for room for samples before they are
-  /// kept, in steps of 1 MiB, by any thread. TakenSamples are in no order. Calls ranks.check() every 10 ms. If that throws on any rank, or
+  /// Collective; blocks, on each rank, until all rays of all ranks have ended. TakenSamples are in no order. Calls ranks.check() every 10 ms. If that throws on any rank, or
   /// a rank or its device fails, nothing is kept and all ranks throw the same Error: the first of any rank, as "rank 3: <reason>".
   TakenSamples sample(std::shared_ptr<const Sampling> sampling, std::shared_ptr<const RaySource> source,
-                      Collectives& ranks, const EnterMemory& enter);
+                      Collectives& ranks);
 
   // The same in steps that do not wait. All ranks add() a flight that rank 0 has announced. Then rank 0 begins it. Each rank
   // takes its samples when the flight has ended there.
   FlightId announce() { return flights_.announce(); }
-  void add(FlightId id, std::shared_ptr<const Sampling> sampling, std::shared_ptr<const RaySource> source,
-           EnterMemory enter);
+  void add(FlightId id, std::shared_ptr<const Sampling> sampling, std::shared_ptr<const RaySource> source);
   /// Rank 0 only.
   void begin(FlightId id, FlightControl::OnComplete onComplete);
   void cancel(FlightId id) { flights_.cancel(id); }

@@ -87,7 +87,7 @@ struct TraceResult {
   std::vector<LeavingRays> leaving;  ///< forwarded rays and new secondaries, which may stay in this partition
   std::vector<Contribution> contributions;
   std::vector<DepthContribution> depths;  ///< only if the frame wants them
-  SampleList samples;                     ///< of a sampling
+  TakenSamples samples;                   ///< of a sampling; if some were refused, others are missing
   uint64_t retired = 0;                   ///< rays of the packet that have ended
   /// New secondary rays in `leaving`. The backend may have made and traced others itself.
   uint64_t created = 0;
@@ -133,8 +133,11 @@ class DeviceScene {
   virtual std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const = 0;
 
   /// Makes a frame whose rays sample surfaces instead of shading them: trace() of it takes sampling rays (RAY_SAMPLE) as
-  /// secondaries, and its results have samples and no contributions. The sampling is of this scene. Null: this device cannot.
-  virtual std::shared_ptr<const DeviceFrame> makeSampling(std::shared_ptr<const CompiledSampling>) const {
+  /// secondaries, and its results have samples and no contributions. The sampling is of this scene. `enter` is asked for room
+  /// for samples while a packet records them, by any thread, as long as rays are traced; if it throws, the frame is cancelled.
+  /// Null: this device cannot.
+  virtual std::shared_ptr<const DeviceFrame> makeSampling(std::shared_ptr<const CompiledSampling>,
+                                                          EnterMemory) const {
     return nullptr;
   }
 

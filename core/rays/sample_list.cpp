@@ -2,7 +2,11 @@
 #include "core/rays/sample_list.h"
 
 #include <algorithm>
+#include <exception>
+#include <iterator>
 #include <utility>
+
+#include "core/comm/error_text.h"
 
 namespace gxy {
 
@@ -56,6 +60,22 @@ void SampleList::select(const std::vector<uint32_t>& which) {
   for (auto& one : values) selectFrom(one, which);
   selectFrom(gradient, which);
   selectFrom(met, which);
+}
+
+void TakenSamples::append(TakenSamples&& other) {
+  list.append(std::move(other.list));
+  std::move(other.memory.begin(), other.memory.end(), std::back_inserter(memory));
+  if (refused.empty()) refused = std::move(other.refused);
+}
+
+bool TakenSamples::enter(const EnterMemory& enter, bool whole) {
+  const int64_t steps = (list.bytes() + (whole ? kStep - 1 : 0)) / kStep;
+  try {
+    while (refused.empty() && int64_t(memory.size()) < steps) memory.push_back(enter("samples", kStep));
+  } catch (const std::exception& e) {
+    refused = textOf(e);
+  }
+  return refused.empty();
 }
 
 }  // namespace gxy

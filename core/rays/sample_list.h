@@ -3,7 +3,10 @@
 #pragma once
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <string>
 #include <vector>
+
+#include "core/space/ledger.h"
 
 namespace gxy {
 
@@ -40,6 +43,20 @@ struct SampleList {
   void append(SampleList&& other);
   /// Keeps the samples `which`, in that order.
   void select(const std::vector<uint32_t>& which);
+};
+
+/// Samples with their entries in the ledger, in steps of a fixed size. Not thread safe.
+struct TakenSamples {
+  static constexpr int64_t kStep = int64_t(1) << 20;  ///< bytes of each entry
+
+  SampleList list;
+  std::vector<LedgerEntry> memory;
+  std::string refused;  ///< not empty: why there was no room for a step
+
+  void append(TakenSamples&& other);
+  /// Enters the steps that the list fills and, if `whole`, the one that it has begun. Sets `refused` if `enter` throws.
+  /// Returns whether nothing was refused so far.
+  bool enter(const EnterMemory& enter, bool whole);
 };
 
 }  // namespace gxy

@@ -145,11 +145,11 @@ class Scene final : public DeviceScene {
     }
   }
 
-  std::shared_ptr<const DeviceFrame> makeSampling(
-      std::shared_ptr<const CompiledSampling> sampling) const override {
+  std::shared_ptr<const DeviceFrame> makeSampling(std::shared_ptr<const CompiledSampling> sampling,
+                                                  EnterMemory enter) const override {
     std::lock_guard lock(mutex_);
     do {
-      if (auto made = made_.back()->scene->makeSampling(sampling))
+      if (auto made = made_.back()->scene->makeSampling(sampling, enter))
         return std::make_shared<Frame>(*made_.back(), std::move(made));
     } while (make([](double) {}));
     return nullptr;

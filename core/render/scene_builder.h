@@ -23,9 +23,6 @@
 
 namespace gxy {
 
-/// Enters bytes in a ledger for a purpose ("geometry", "scene"). Throws Error if there is no room for them.
-using EnterMemory = std::function<LedgerEntry(const char* purpose, int64_t bytes)>;
-
 /// Geometry that has not been distributed to the partitions that it touches.
 struct GeometrySource {
   /// Scenes share the distributed geometry if this name, the radii and what is shown are the same. So different geometry needs different names.

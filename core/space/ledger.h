@@ -2,6 +2,7 @@
 // Records who uses how much memory, and for what.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -60,6 +61,9 @@ class Ledger {
  private:
   std::shared_ptr<LedgerEntry::State> state_;
 };
+
+/// Enters bytes in a ledger for a purpose ("geometry", "scene"). Throws Error if there is no room for them.
+using EnterMemory = std::function<LedgerEntry(const char* purpose, int64_t bytes)>;
 
 /// The memory of this process as the system reports it, for comparison with a ledger: VmRSS and VmHWM of
 /// /proc/self/status, in bytes. processBytes() throws Error if they cannot be read.

@@ -46,7 +46,7 @@ std::vector<Followed> followed(SamplingCase c, const std::vector<SampleRay>& ray
   std::vector<Followed> all;
   const auto errors = ranks.run(c, [&](int, Sampler& sampler, auto sampling, Collectives& world) {
     const SampleList list =
-        sampler.sample(sampling, std::make_shared<GivenRays>(rays, unitCube()), world, freeMemory).list;
+        sampler.sample(sampling, std::make_shared<GivenRays>(rays, unitCube()), world).list;
     if (rule.way != Way::Stop && rule.field.volume == nullptr && !c.fields.empty())
       rule.field = sampling->compiled->fields[0];
     const NextRays next(*sampling->compiled, list, std::vector<NextRule>(c.operators.size(), rule), seed);

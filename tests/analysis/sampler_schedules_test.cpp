@@ -51,7 +51,7 @@ class Scheduled {
     for (int r = 0; r < cut_.ranks; r++)
       samplers[size_t(r)]->add(
           id, samplings_[size_t(r)],
-          std::make_shared<UniformLines>(unitCube(), 7, 0, kScheduledLines, r, cut_.ranks), freeMemory);
+          std::make_shared<UniformLines>(unitCube(), 7, 0, kScheduledLines, r, cut_.ranks));
     samplers[0]->begin(id, [&](const FlightEnding& ending) { outcome.ending = ending; });
     for (int i = 0; i != cancelAfter && world.step(); i++) {
     }

@@ -187,6 +187,10 @@ TEST(SamplingRays, AreTracedOnTheOtherBackendWhereTheFirstCannotSample) {
   EXPECT_EQ(samples.position, first.lines(sphereCase(9), 1, 100).position);
 }
 
+TEST(SamplingRays, EndWhenTheirSamplesHaveNoRoomWhileAPacketIsTraced) {
+  expectSamplesEnteredWhileTheyAreRecorded(embree());
+}
+
 TEST(SamplingRays, EndWithTheirNumberOfHits) {
   SamplingCase c = isosurfaceOf(sampled(unitGrid(17), [](glm::dvec3 p) { return std::abs(p.x - 0.5); }), 0);
   c.operators[0].isovalues = {0.1, 0.2, 0.3};

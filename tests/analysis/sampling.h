@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Samplings on ranks that are threads of the test.
 #pragma once
+#include <gtest/gtest.h>
+
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/analysis/sample_order.h"
@@ -67,9 +71,10 @@ class SamplingRanks {
     int workers = 2;
     Sampler::Options options{};
     const Backend* backend = nullptr;  ///< null: Embree
+    EnterMemory enter = freeMemory;
   };
   SamplingRanks(const Cut& cut, const Run& run)
-      : cut_(cut), world_(cut.ranks, run.seed, {true, run.workers, {}}) {
+      : cut_(cut), enter_(run.enter), world_(cut.ranks, run.seed, {true, run.workers, {}}) {
     for (int r = 0; r < cut.ranks; r++)
       samplers_.push_back(
           std::make_unique<Sampler>(world_.rank(r), run.backend ? *run.backend : embree(), run.options));
@@ -111,13 +116,14 @@ class SamplingRanks {
     for (const auto& [i, g] : c.geometry) {
       const bool flat = g->kind == GeometryKind::Triangles;
       geometry[i] = distributed(
-          *g, *partitioning, [&](double value) { return flat ? 0 : radiusOf(c.operators[i], value); },
+          *g, *partitioning,
+          [&, index = i](double value) { return flat ? 0 : radiusOf(c.operators[index], value); },
           cut_.ranks);
     }
     return ThreadRanks(cut_.ranks).run([&](Collectives& ranks) {
       Sampler& mine = sampler(ranks.rank());
       const auto sampling =
-          mine.prepare(sourceOf(c, parts, geometry, partitioning, ranks.rank()), ranks, freeMemory);
+          mine.prepare(sourceOf(c, parts, geometry, partitioning, ranks.rank()), ranks, enter_);
       work(ranks.rank(), mine, sampling, ranks);
     });
   }
@@ -134,7 +140,7 @@ class SamplingRanks {
                  const std::function<std::shared_ptr<const RaySource>(int)>& sourceOfRank) {
     std::vector<SampleList> lists(static_cast<size_t>(cut_.ranks));
     for (const std::string& error : run(c, [&](int rank, Sampler&sampler, auto sampling, Collectives&ranks) {
-           lists[size_t(rank)] = sampler.sample(sampling, sourceOfRank(rank), ranks, freeMemory).list;
+           lists[size_t(rank)] = sampler.sample(sampling, sourceOfRank(rank), ranks).list;
          }))
       if (!error.empty()) throw Error(error);
     SampleList merged;
@@ -155,8 +161,49 @@ class SamplingRanks {
 
  private:
   const Cut cut_;
+  const EnterMemory enter_;
   InProcessWorld world_;
   std::vector<std::unique_ptr<Sampler>> samplers_;
 };
+
+/// 1024 rays with 1250 places each are one packet, whose samples are 70 MiB. They are entered in the ledger as they are recorded:
+/// all of them before the packet ends, and none after a step was refused.
+inline void expectSamplesEnteredWhileTheyAreRecorded(const Backend& backend) {
+  SamplingCase c = isosurfaceOf(sampled(unitGrid(5), squaredDistance), 0);
+  c.operators[0].isovalues = {};
+  c.operators[0].every = 8e-4;
+  const auto sent = [&](int most) {
+    std::atomic<int> entered = 0;
+    SamplingRanks::Run run;
+    run.backend = &backend;
+    run.enter = [&](const char* purpose, int64_t) -> LedgerEntry {
+      if (std::string(purpose) == "samples" && ++entered > most) throw Error("no room");
+      return {};
+    };
+    SamplingRanks ranks(whole(unitCube()), run);
+    SampleList samples;
+    std::string error;
+    try {
+      samples = ranks.all(c, [](int) {
+        std::vector<SampleRay> rays;
+        for (uint64_t i = 0; i < 1024; i++)
+          rays.push_back({i, {-1, 0.5, 0.01 + 9e-4 * double(i)}, {1, 0, 0}});
+        return std::make_shared<GivenRays>(std::move(rays), unitCube());
+      });
+    } catch (const Error& e) {
+      error = e.what();
+    }
+    return std::tuple(samples.size(), int(entered), ranks.sampler(0).traced().raysTraced, error);
+  };
+  const auto [size, steps, traced, none] = sent(1000);
+  EXPECT_EQ(none, "");
+  EXPECT_GT(size, 1024u * 1248u);
+  EXPECT_EQ(steps, int((int64_t(size) * SampleList::bytesPerSample(0, false) + (1 << 20) - 1) >> 20));
+  const auto [kept, refusedAt, begun, error] = sent(3);
+  EXPECT_EQ(kept, 0u);
+  EXPECT_EQ(refusedAt, 4);
+  EXPECT_NE(error.find("no room"), std::string::npos) << error;
+  EXPECT_LT(begun, traced / 10);
+}
 
 }  // namespace gxy::test

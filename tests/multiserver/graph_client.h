@@ -78,6 +78,7 @@ struct GraphClient {
       client->expect(std::string("load ") + module);
   }
   nlohmann::json say(const std::string& statement) { return client->expect(statement); }
+  Reply request(const std::string& statement) { return client->request(statement); }
   std::string error(const std::string& statement) { return client->request(statement).error; }
   nlohmann::json edit(const nlohmann::json& edits, bool live = false) {
     return say("graph.edit g " + nlohmann::json{{"edits", edits}, {"live", live}}.dump());

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/multiserver/test_server.h"
+#include "tests/multiserver/viewer_client.h"
 
 namespace gxy::test {
 namespace {
@@ -48,8 +48,9 @@ TEST(ServerSampling, MakesPointsOnAnIsosurfaceOnAnyNumberOfRanks) {
     EXPECT_EQ(sampled(*client, R"("isovalue":0.6,"count":10)").at("generation"), 2);
     client->expect("drop points");
     client->expect("drop ball");
+    // A thread that has ended the last ray may still let go of the scene.
     for (int rank = 0; rank < ranks; rank++)
-      EXPECT_EQ(server->serverRank(rank).ledger.total("user"), 0) << rank;
+      until([&] { return server->serverRank(rank).ledger.total("user") == 0; }, "nothing is kept");
   }
 }
 
@@ -68,7 +69,7 @@ TEST(ServerSampling, PointsThatHaveNoRoomAreNotNamed) {
   EXPECT_FALSE(reply.ok);
   EXPECT_EQ(client->expect("list").at("datasets").size(), 1u);
   for (int rank = 0; rank < 3; rank++)
-    EXPECT_LT(server.serverRank(rank).ledger.total("user"), 1 << 20) << rank;
+    until([&] { return server.serverRank(rank).ledger.total("user") < 1 << 20; }, "no sample is kept");
 }
 
 }  // namespace

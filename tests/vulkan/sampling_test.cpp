@@ -116,6 +116,10 @@ void expectTheSame(const SamplingCase& c, const Box& domain, size_t least, uint6
   }
 }
 
+TEST(VulkanSampling, EndsWhenSamplesHaveNoRoomWhileABatchIsTraced) {
+  expectSamplesEnteredWhileTheyAreRecorded(testedVulkan());
+}
+
 TEST(VulkanSampling, OfComponentsWithGradientsAndConditions) {
   const Box box = sceneDomain();
   SamplingCase c;

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/data/mesh.h"
+
+namespace gxy {
+
+namespace {
+
+constexpr std::array<CellShape, kCellTypes> kShapes{{
+    {4, 4, {{{3, {1, 2, 3}}, {3, {2, 0, 3}}, {3, {0, 1, 3}}, {3, {0, 2, 1}}}}},
+    {5, 5, {{{4, {0, 3, 2, 1}}, {3, {0, 1, 4}}, {3, {1, 2, 4}}, {3, {2, 3, 4}}, {3, {3, 0, 4}}}}},
+    {6, 5, {{{3, {0, 1, 2}}, {3, {3, 5, 4}}, {4, {0, 3, 4, 1}}, {4, {1, 4, 5, 2}}, {4, {2, 5, 3, 0}}}}},
+    {8,
+     6,
+     {{{4, {0, 4, 7, 3}},
+       {4, {1, 2, 6, 5}},
+       {4, {0, 1, 5, 4}},
+       {4, {3, 7, 6, 2}},
+       {4, {0, 3, 2, 1}},
+       {4, {4, 5, 6, 7}}}}},
+}};
+
+}  // namespace
+
+const CellShape& shapeOf(CellType type) { return kShapes[size_t(type)]; }
+
+size_t MeshCells::size() const {
+  size_t all = 0;
+  for (const CellType type : kAllCellTypes) all += size(type);
+  return all;
+}
+
+uint32_t MeshCells::first(CellType type) const {
+  size_t before = 0;
+  for (const CellType t : kAllCellTypes)
+    if (t < type) before += size(t);
+  return uint32_t(before);
+}
+
+CellType MeshCells::typeOf(uint32_t cell) const {
+  size_t before = 0;
+  for (const CellType type : kAllCellTypes)
+    if (cell < (before += size(type))) return type;
+  return CellType::Hexahedron;
+}
+
+std::span<const uint32_t> MeshCells::pointsOf(uint32_t cell) const {
+  const CellType type = typeOf(cell);
+  const size_t n = shapeOf(type).points;
+  return std::span(points[size_t(type)]).subspan((cell - first(type)) * n, n);
+}
+
+}  // namespace gxy
