@@ -3,6 +3,7 @@
 // before.
 // clang-format off
 #include "core/kernels/map.h"
+#include "core/kernels/cell_curve.h"
 #include "core/kernels/volume.h"
 #include "core/kernels/march.h"
 #include "core/kernels/isosurface.h"
