@@ -57,7 +57,7 @@ endfunction()
 function(galaxy_ispc_probes TARGET FILE PROBE)
   get_filename_component(name ${FILE} NAME_WE)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/kernels/*.h ${PROJECT_SOURCE_DIR}/core/rays/ray_fields.h
-       ${PROJECT_SOURCE_DIR}/backends/embree/volume_fetch.isph ${CMAKE_CURRENT_SOURCE_DIR}/*probe.h)
+       ${PROJECT_SOURCE_DIR}/backends/embree/*_fetch.isph ${CMAKE_CURRENT_SOURCE_DIR}/*probe.h)
   foreach(target ${GALAXY_ISPC_TARGETS})
     string(REGEX REPLACE "-.*" "" isa ${target})
     set(object ${CMAKE_CURRENT_BINARY_DIR}/${name}_${isa}.o)

@@ -112,10 +112,10 @@ void main() {
           if (again < bound && op == lastMet.op) met = lastMet;
         }
         if ((SURFACES & SURFACE_CLIPPED) != 0) {
-          VolumeView field = fieldOf(op);
+          ClipView clips = operatorOf(op).clips;
           float clip0;
-          clipInterval(field, o, d, clip0, last);
-          after = boundBehind(field, after, clip0);
+          clipInterval(clips, o, d, clip0, last);
+          after = boundBehind(clips, after, clip0);
         }
         if (hitPrimitive(operatorOf(op), p, o, d, after, met, t) && t <= nearest && t <= last) {
           bool before = hitOperator >= 0 && (op < hitOperator || (op == hitOperator && p < hitPrimitiveId));

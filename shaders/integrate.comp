@@ -6,8 +6,9 @@
 #include "shaders/rays.glsl"
 
 void main() {
+  OperatorView op = operatorOf(push[PUSH_OPERATOR]);
   VolumeView v = fieldOf(push[PUSH_OPERATOR]);
-  readMapAhead(v);
+  readMapAhead(op.map);
   if (!hasRay()) return;
   SceneView s = theScene;
   vec3 o = rayOrigin(), d = rayDirection();
@@ -17,7 +18,7 @@ void main() {
   MarchCount count = nothingMarched();
   Radiance L = rayRadiance();
   float begun = GIVEN(tResume);
-  integrateVolume(v, clippedRay(v, o, d), m, begun, L, count);
+  integrateVolume(op.map, v, clippedRay(op.clips, v, o, d), m, begun, L, count);
   if (!endSlice(slice, false)) return;
   RAY(tResume) = begun;
   setRadiance(L);

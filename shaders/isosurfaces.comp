@@ -8,6 +8,7 @@
 void main() {
   if (!hasRay()) return;
   int op = push[PUSH_OPERATOR];
+  ClipView clips = operatorOf(op).clips;
   VolumeView v = fieldOf(op);
   IsoStart start;
   start.index = -1;
@@ -21,8 +22,8 @@ void main() {
   NearestHit nearest = givenHit();
   bool blocked = GIVEN(A) >= 1.0;  // a blocked ray has nothing to find
   float tLast = behindLast(lastHit(), op, ISOSURFACES);
-  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), slice.from, blocked ? -1.0 : slice.to, tLast, nearest.t, start, cells,
-                             skipped);
+  IsoHit hit = hitIsosurface(clips, v, rayOrigin(), rayDirection(), slice.from, blocked ? -1.0 : slice.to, tLast, nearest.t, start,
+                             cells, skipped);
   if (!endSlice(slice, blocked || hit.t < NO_HIT)) return;
   if (hit.t < NO_HIT) takeHit(nearest, hit.t, HIT_ISOSURFACE, op, uint(hit.index));
   countUp(COUNT_CELLS, uint(cells));

@@ -103,6 +103,7 @@ float geometryReal(uint i) { return uintBitsToFloat(geometryWord(i)); }
 
 #define locateCell locateCellByLoops  // renames grid.h's; volume_fetch.glsl has one without loops
 #include "core/kernels/cells.h"
+#include "shaders/map_fetch.glsl"
 #include "shaders/volume_fetch.glsl"
 #include "core/kernels/fields.h"
 #include "core/kernels/scene_view.h"

@@ -46,6 +46,7 @@ VolumeView fieldOf(int op) {
 }
 
 #define VOLUMES uint
+#define OPERATOR_AT(s, list, k) operatorOf(int(tableWord((list) + uint(k))))
 #define VOLUME_AT(s, list, k) fieldOf(int(tableWord((list) + uint(k))))
 
 real lightValue(FRAME f, int i) { return lightValues[i]; }

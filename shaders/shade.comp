@@ -74,7 +74,7 @@ void main() {
   vec3 o = rayOrigin(), d = rayDirection();
   Surface surface = surfaceHit(op, v, o, d);
   OperatorView view = operatorOf(op);
-  vec3 color = surfaceColor(view, v, surface);
+  vec3 color = surfaceColor(view, surface);
   float opacity = view.opacity;
   float weight = (1.0 - GIVEN(A)) * opacity;
   vec3 toEye = vec3(-d.x, -d.y, -d.z);

@@ -11,7 +11,7 @@ void main() {
   VolumeView v = fieldOf(op);
   OperatorView view = operatorOf(op);
   vec3 o = rayOrigin(), d = rayDirection();
-  VolumeRay ray = clippedRay(v, o, d);
+  VolumeRay ray = clippedRay(view.clips, v, o, d);
   float tOut = min(GIVEN(tOut), GIVEN(tEnd));
   NearestHit nearest = givenHit();
   LastHit last = lastHit();

@@ -79,15 +79,6 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
                          int rank, const Advance& advance)
     : shared_(std::move(shared)), scene_(std::move(scene)), rank_(rank) {
   const auto& operators = scene_->operators;
-  for (size_t i = 0; i < operators.size(); i++) {
-    if (!operators[i].slices.empty() || operators[i].every > 0) slicedOperators_.push_back(int(i));
-    if (!operators[i].isovalues.empty()) isoOperators_.push_back(int(i));
-    if (operators[i].vis.type == VisType::Volume && operators[i].vis.volumeRendering)
-      renderedOperators_.push_back(int(i));
-  }
-  if (renderedOperators_.size() > kMostVolumes)
-    throw Error("a visualization renders " + std::to_string(renderedOperators_.size()) +
-                " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
   ViewPointers pointers;
   fillSceneView(anywhere_, *scene_, -1, pointers);
   const std::vector<int> owned = scene_->partitioning->owned(rank_);
@@ -222,15 +213,16 @@ class EmbreeScene::Packet {
       c.runs(Kernel::Geometry)++;
       ispc::hitGeometry(&part_.view, &view, n, !firstHit_ && scene_.scene_->opaqueSurfaces);
     }
-    if (!scene_.slicedOperators_.empty() || !scene_.isoOperators_.empty()) {
+    const CompiledScene& scene = *scene_.scene_;
+    if (!scene.sliced.empty() || !scene.isosurfaces.empty()) {
       Stopwatch time(c.nsSurfaces);
-      for (int op : scene_.slicedOperators_)
+      for (int op : scene.sliced)
         if (part_.fields[op].samples) {
           c.runs(Kernel::Slices)++;
           ispc::hitSlices(&part_.view, &view, n, op);
         }
       int64_t counts[2] = {0, 0};
-      for (int op : scene_.isoOperators_)
+      for (int op : scene.isosurfaces)
         if (part_.fields[op].isoMask) {
           c.runs(Kernel::Isosurfaces)++;
           ispc::hitIsosurfaces(&part_.view, &view, n, op, counts);
@@ -238,7 +230,7 @@ class EmbreeScene::Packet {
       c.cells += uint64_t(counts[0]);
       c.isoMacrocellsSkipped += uint64_t(counts[1]);
     }
-    const std::vector<int>& volumes = scene_.renderedOperators_;
+    const std::vector<int32_t>& volumes = scene.rendered;
     if (std::any_of(volumes.begin(), volumes.end(), [&](int op) { return part_.fields[op].samples; })) {
       Stopwatch time(c.nsIntegrate);
       c.runs(volumes.size() == 1 ? Kernel::Integrate : Kernel::IntegrateVolumes)++;

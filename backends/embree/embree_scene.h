@@ -46,7 +46,6 @@ class EmbreeScene final : public DeviceScene {
   int rank_;
   std::map<int, PartitionViews> parts_;  ///< key: local partition
   single::SceneView anywhere_{};         ///< a view without a partition of its own, for spawning
-  std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
 };
 
 }  // namespace gxy

@@ -18,7 +18,7 @@ export void hitSlices(const void* uniform scene, void* uniform rays, uniform int
   VOLUME v = s.field[op];
   foreach (i = 0 ... n) {
     vec3 o = originOf(r, i), d = directionOf(r, i);
-    VolumeRay ray = clippedRay(v, o, d);
+    VolumeRay ray = clippedRay(view.clips, v, o, d);
     float tOut = min(r.tOut[i], r.tEnd[i]);
     for (uniform int k = 0; k < view.slices; k++) {
       const uniform float* uniform p = view.slice + 4 * k;
@@ -41,6 +41,7 @@ export void hitIsosurfaces(const void* uniform scene, void* uniform rays, unifor
                            uniform int64 counts[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
+  CLIPS clips = s.operator_[op].clips;
   VOLUME v = s.field[op];
   int cells = 0, skipped = 0;
   foreach (i = 0 ... n) {
@@ -54,7 +55,8 @@ export void hitIsosurfaces(const void* uniform scene, void* uniform rays, unifor
     // Nothing to find for a ray that is blocked.
     float tOut = r.A[i] < 1.0f ? min(r.tOut[i], r.tEnd[i]) : -1.0f;
     float tLast = behindLast(lastHit(s, r, i), op, ISOSURFACES);
-    IsoHit hit = hitIsosurface(v, originOf(r, i), directionOf(r, i), r.tIn[i], tOut, tLast, r.tHit[i], start, cells, skipped);
+    IsoHit hit =
+      hitIsosurface(clips, v, originOf(r, i), directionOf(r, i), r.tIn[i], tOut, tLast, r.tHit[i], start, cells, skipped);
     if (hit.t < NO_HIT) takeHit(r, i, hit.t, HIT_ISOSURFACE, op, hit.index);
   }
   counts[0] += reduce_add((int64)cells);

@@ -428,16 +428,16 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
     unsigned int geometry = NO_PRIMITIVE, primitive = 0;
     for (uniform int k = 0; k < s.operators && lanes != 0; k++) {
       if (tree[k].nodes == NULL) continue;
-      VOLUME field = s.field[k];
+      CLIPS clips = s.operator_[k].clips;
       float clip0, clip1;
-      clipInterval(field, o, d, clip0, clip1);
+      clipInterval(clips, o, d, clip0, clip1);
       LANE(g, tClip) = clip1;
-      LANE(g, tAfter) = boundBehind(field, bound, clip0);
+      LANE(g, tAfter) = boundBehind(clips, bound, clip0);
       LANE(g, tMet) = -1.0f;
       LANE(g, primitive) = NO_PRIMITIVE;
       uniform int kind = s.operator_[k].kind;
       if (goesOn) {
-        LANE(g, tAgain) = boundBehind(field, again, clip0);
+        LANE(g, tAgain) = boundBehind(clips, again, clip0);
         LANE(g, firstAgain) = firstBehind(last, k);
         if (kind == KIND_PATHLINES && again < bound && last.op == k) {
           MetSegment met = metSegment(s.operator_[k], last.number, last.t);

@@ -5,6 +5,8 @@
 export void integrateRays(const void* uniform scene, void* uniform rays, uniform int n, uniform int op, uniform int64 counts[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
+  MAP map = s.operator_[op].map;
+  CLIPS clips = s.operator_[op].clips;
   VOLUME v = s.field[op];
   MarchCount count = nothingMarched();
   foreach (i = 0 ... n) {
@@ -13,7 +15,7 @@ export void integrateRays(const void* uniform scene, void* uniform rays, uniform
     m.tOwnershipEnd = nextBegin(s, o, d, m.tOut, r.tEnd[i]);
     Radiance L = radianceOf(r, i);
     float begun = r.tResume[i];
-    integrateVolume(v, clippedRay(v, o, d), m, begun, L, count);
+    integrateVolume(map, v, clippedRay(clips, v, o, d), m, begun, L, count);
     r.tResume[i] = begun;
     setRadiance(s, r, i, L);
   }

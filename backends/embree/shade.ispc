@@ -25,7 +25,7 @@ static inline void surfaceHit(SCENE s, RAYS r, uniform int op, int i, vec3 o, ve
     hit = geometrySurface(view, r.hitPrimitive[i], o, d, justBefore(r.tHit[i]));
   }
   surface = surfaceSeen(hit, d, view.twoSided != 0);
-  color = surfaceColor(view, v, surface);
+  color = surfaceColor(view, surface);
   opacity = view.opacity;
 }
 

@@ -144,9 +144,8 @@ class Uploading {
       out_.hasBlock.push_back(part && part->block);
       out_.hasIsosurface.push_back(part && !part->isoMask.empty());
       if (part && part->block) checkNumbering(part->block->extent.points, op.data.volume->components);
-      if (op.vis.type == VisType::Volume && op.vis.volumeRendering) rendered_.push_back(int32_t(i));
     }
-    out_.volumeList = tables_.add(rendered_);
+    out_.volumeList = tables_.add(scene.rendered);
     end(rank);
   }
 
@@ -310,17 +309,17 @@ class Uploading {
     out_.special.sampleKind = std::max(kind, -1);
     out_.special.scalars = scalars;
     int map = -2;
-    for (const shader::VolumeView& v : fields_) {
-      out_.special.byCells |= uint32_t(v.byCells);
-      const int mine = v.mapIntervals <= MAP_SMALL ? MAP_KIND_SMALL
-                       : v.mapUniform > 0          ? MAP_KIND_UNIFORM
-                                                   : MAP_KIND_BUCKETS;
+    for (const shader::VolumeView& v : fields_) out_.special.byCells |= uint32_t(v.byCells);
+    for (const shader::OperatorView& op : operators_) {
+      const int mine = op.map.intervals <= MAP_SMALL ? MAP_KIND_SMALL
+                       : op.map.uniformIntervals > 0 ? MAP_KIND_UNIFORM
+                                                     : MAP_KIND_BUCKETS;
       map = map == -2 || map == mine ? mine : -1;
     }
     out_.special.mapKind = std::max(map, -1);
     // Picking from many registers is worth it only where lanes fetch one after the other.
-    if (device_.endsLoops() && rendered_.size() == 1) {
-      const int intervals = fields_[size_t(rendered_[0])].mapIntervals;
+    if (device_.endsLoops() && scene_.rendered.size() == 1) {
+      const int intervals = operators_[size_t(scene_.rendered[0])].map.intervals;
       out_.special.mapAhead = intervals <= 4 ? 4 : intervals <= 8 ? 8 : 0;
     }
     // Several operators are read ahead only where that is cheaper than reading the one that is needed.
@@ -340,7 +339,6 @@ class Uploading {
   PartitionOnDevice out_;
   Words tables_;
   Places inTables_{tables_};
-  std::vector<int32_t> rendered_;                       // operators whose volume is rendered
   std::vector<const GeometryInPartition*> primitives_;  // per operator; null if it has none
   shader::SceneView view_{};
   std::vector<shader::OperatorView> operators_;

@@ -10,6 +10,8 @@ using real = float;
 using uint = std::uint32_t;
 #define GXY_LAYOUT
 // clang-format off
+#include "core/kernels/view_types.h"
+#include "core/kernels/map_view.h"
 #include "core/kernels/volume_view.h"
 #include "core/kernels/scene_view.h"
 #include "core/kernels/sampling_view.h"
@@ -18,4 +20,6 @@ using uint = std::uint32_t;
 #undef PTR
 #undef RAW
 #undef VOLUME
+#undef MAP
+#undef CLIPS
 }  // namespace gxy::shader

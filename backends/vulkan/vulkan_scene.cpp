@@ -79,18 +79,7 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
       rank_(rank),
       batchSize_(int(batchRaysOf(context_->device)),
                  context_->device.isSoftware() ? kTile * kTile : int(batchRaysOf(context_->device))) {
-  const auto& operators = scene_->operators;
-  for (size_t i = 0; i < operators.size(); i++) {
-    if (!operators[i].slices.empty() || operators[i].every > 0) slicedOperators_.push_back(int(i));
-    if (!operators[i].isovalues.empty()) isoOperators_.push_back(int(i));
-    isClipped_ = isClipped_ || !operators[i].clips.empty();
-    if (operators[i].vis.type == VisType::Volume && operators[i].vis.volumeRendering)
-      renderedOperators_.push_back(int(i));
-  }
-  surfacesInVolumes_ = !slicedOperators_.empty() || !isoOperators_.empty();
-  if (renderedOperators_.size() > kMostVolumes)
-    throw Error("a visualization renders " + std::to_string(renderedOperators_.size()) +
-                " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
+  for (const CompiledOperator& op : scene_->operators) isClipped_ = isClipped_ || !op.clips.empty();
   const auto upload = [&](int partition, const Advance& uploading) {
     return uploadPart(context_->device, context_->pipelines, context_->shared, *scene_, partition, rank_,
                       uploading);
@@ -320,21 +309,22 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartitionOnDevice& pa
     meets.anyHit = !primary && !frame.sampling && scene_->opaqueSurfaces;
     add(Stage::Geometry, meets);
   }
-  for (int op : slicedOperators_)
+  for (int op : scene_->sliced)
     if (isHere(op)) add(Stage::Slices, special, op);
   Special crosses = special;
   crosses.surfaces = primary ? 0 : SURFACE_STARTS;
-  for (int op : isoOperators_)
+  for (int op : scene_->isosurfaces)
     if (part.hasIsosurface[size_t(op)]) add(Stage::Isosurfaces, crosses, op);
-  const std::vector<int>& volumes = renderedOperators_;
+  const std::vector<int32_t>& volumes = scene_->rendered;
   if (std::any_of(volumes.begin(), volumes.end(), isHere)) {
     if (volumes.size() == 1)
       add(Stage::Integrate, special, volumes[0]);
     else
       add(Stage::IntegrateVolumes, special, int32_t(part.volumeList), int32_t(volumes.size()));
   }
+  const bool surfacesInVolumes = !scene_->sliced.empty() || !scene_->isosurfaces.empty();
   Special shades = special;
-  shades.surfaces = part.geometryKinds | (surfacesInVolumes_ ? SURFACE_FIELDS : 0);
+  shades.surfaces = part.geometryKinds | (surfacesInVolumes ? SURFACE_FIELDS : 0);
   Special ends = special;
   ends.surfaces = frame.sampling ? SURFACE_SAMPLED : 0;
   add(Stage::Finish, ends);

@@ -104,8 +104,7 @@ class VulkanScene final : public DeviceScene {
   Charge charge_;                           ///< memory of both, without what they share with other scenes
   std::vector<Pipeline> pipelines_;
   mutable PacketSize batchSize_;
-  std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
-  bool surfacesInVolumes_ = false, isClipped_ = false;
+  bool isClipped_ = false;
 };
 
 }  // namespace gxy::vulkan

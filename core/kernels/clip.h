@@ -3,13 +3,13 @@
 // last.
 
 // The interval of t that an operator's clip planes leave of the ray.
-FN void clipInterval(VOLUME v, vec3 o, vec3 d, OUT(real) t0, OUT(real) t1) {
+FN void clipInterval(CLIPS clips, vec3 o, vec3 d, OUT(real) t0, OUT(real) t1) {
   t0 = R(0.0);
   t1 = R(1e30);
-  for (UNIFORM int k = 0; k < v.clips; k++) {
-    vec3 n = make_v3(clipValue(v, 4 * k), clipValue(v, 4 * k + 1), clipValue(v, 4 * k + 2));
+  for (UNIFORM int k = 0; k < clips.planes; k++) {
+    vec3 n = make_v3(clipValue(clips, 4 * k), clipValue(clips, 4 * k + 1), clipValue(clips, 4 * k + 2));
     real along = dot3(n, d);
-    real room = clipValue(v, 4 * k + 3) - dot3(n, o);
+    real room = clipValue(clips, 4 * k + 3) - dot3(n, o);
     if (along > R(0.0))
       t0 = max(t0, room / along);
     else if (along < R(0.0))
@@ -56,8 +56,8 @@ FN real behindLast(LastHit last, int op, uint number) {
 }
 
 // The same bound for an operator whose clip planes keep what is behind clip0.
-FN real boundBehind(VOLUME v, real bound, real clip0) {
+FN real boundBehind(CLIPS clips, real bound, real clip0) {
   real after = bound;
-  if (v.clips > 0) after = max(bound, justBefore(max(clip0, R(1e-30))));
+  if (clips.planes > 0) after = max(bound, justBefore(max(clip0, R(1e-30))));
   return after;
 }

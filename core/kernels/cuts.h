@@ -2,9 +2,9 @@
 // Slices and isosurfaces of a volume within its clip planes.
 
 // The ray inside a volume and its clip planes.
-FN VolumeRay clippedRay(VOLUME v, vec3 o, vec3 d) {
+FN VolumeRay clippedRay(CLIPS clips, VOLUME v, vec3 o, vec3 d) {
   real clip0, clip1;
-  clipInterval(v, o, d, clip0, clip1);
+  clipInterval(clips, o, d, clip0, clip1);
   return volumeRay(v, o, d, clip0, clip1);
 }
 
@@ -42,10 +42,10 @@ FN real hitStep(VOLUME v, VolumeRay ray, real every, real tIn, real tOut, real t
 }
 
 // The first isosurface at t in [tIn, tOut) that is greater than tLast and not behind tHit.
-FN IsoHit hitIsosurface(VOLUME v, vec3 o, vec3 d, real tIn, real tOut, real tLast, real tHit, IsoStart start,
-                        INOUT(int) cells, INOUT(int) skipped) {
+FN IsoHit hitIsosurface(CLIPS clips, VOLUME v, vec3 o, vec3 d, real tIn, real tOut, real tLast, real tHit,
+                        IsoStart start, INOUT(int) cells, INOUT(int) skipped) {
   real clip0, clip1;
-  clipInterval(v, o, d, clip0, clip1);
+  clipInterval(clips, o, d, clip0, clip1);
   VolumeRay ray = volumeRay(v, o, d, R(0.0), R(1e30));
   // A hit on the clip plane itself is kept: the interval is closed there, and empty if the ray begins behind
   // its end.

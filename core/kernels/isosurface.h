@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first isosurface along a ray: cell by cell, the first root of each cell's cubic (cubic.h). Only
+// The first isosurface along a ray: a walk cell by cell to the first root of a cell's cubic (cell_curve.h). Only
 // macrocells and cells whose range holds the isovalue are looked at (Parker 1998). Fractions on a face that a
 // ray crosses are exactly 0 or 1, so the two cells that share the face compute the same value there, and no
 // sign change is lost between them.
 //
 // isoMask (core/rays/iso_mask.h) says where an isovalue may pass, in one word per macrocell and one bit per
 // cell. Each dialect supplies isoWord(v, index) to read its words. Samples are read only in such cells.
-
-struct IsoHit {
-  real t;     // NO_HIT if there is none
-  int index;  // index of the isovalue
-};
-
-// The start of a secondary ray: on isosurface `index` (-1: none), on the side of sign `from`.
-struct IsoStart {
-  int index, from;
-};
 
 // The cell (bits 0) or macrocell (bits MACRO_BITS) of one axis, between first and last, that the ray is in at
 // t, for a ray that is inside these. The estimate is off by one at most.
@@ -90,12 +80,6 @@ FN int isoCell(VOLUME v, int block, int x, int y, int z) {
 // The first isosurface in one cell, which the ray crosses between ta and tb. Of the isovalues from `first` on
 // it is the first whose cubic has a crossing, for isovalue `first` at or behind `done`. The result has the
 // cubic and the crossing's bracket; index = v.isovalues if there is none.
-struct IsoCrossing {
-  vec4 cubic;
-  Bracket at;
-  int index;
-};
-
 FN IsoCrossing cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, real tb, int first, real done,
                             real tIn, real tOut, real tAfter, IsoStart start) {
   CellValues k = cellValues(v, c);
@@ -123,25 +107,16 @@ FN IsoCrossing cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, r
     real iso = isovalueAt(v, i);
     if (holds && i >= first && index == v.isovalues && lo <= iso && hi >= iso) {
       cubic = bernsteinAlong(cellValuesMinus(k, iso), f, g);
-      bool starts = along <= R(1e-3), entry = ta <= r.t0;
-      // The side counts until the ray has met a surface, or may have changed sides in a gap without data. The
-      // latter means behind such a gap, or a quarter of a cell off the start, where rounding no longer puts a
-      // ray on the wrong side.
-      int side = start.index == i && tAfter < R(0.0) && along <= R(0.25) ? start.from : 0;
-      if (!entry && (cubic.x == R(0.0) || (side != 0 && !starts))) {
+      bool starts = startsInCell(along), entry = ta <= r.t0;
+      int side = sideInCell(start, i, along, tAfter);
+      if (!entry && dependsOnCellBefore(cubic, side, starts)) {
         entry = !cellHoldsData(
             v, make_i3(near.x >= ta ? c.x + 1 - up.x - up.x : c.x, near.y >= ta ? c.y + 1 - up.y - up.y : c.y,
                        near.z >= ta ? c.z + 1 - up.z - up.z : c.z));
         if (entry && !starts) side = 0;
       }
-      RootQuery q;
-      q.tIn = tIn;
-      q.tOut = tOut;
-      q.tAfter = tAfter;
-      q.entry = entry;
-      q.from = side;
-      q.start = starts;
-      Bracket at = firstBracket(cubic, ta, i == first ? done : R(0.0), q);
+      Bracket at =
+          crossingInCell(cubic, ta, i == first ? done : R(0.0), entry, side, starts, tIn, tOut, tAfter);
       bracket = make_v4(at.lo, at.hi, at.fLo, at.fHi);
       if (at.lo <= at.hi) index = i;
     }
@@ -325,8 +300,7 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
       at.hi = bracket.y;
       at.fLo = bracket.z;
       at.fHi = bracket.w;
-      real u = rootIn(cubic, at);
-      real th = rootBehind(rootTime(u, ta, tb), u, ta, tb);
+      real th = crossingTime(cubic, at, ta, tb);
       bool accepted = acceptsRoot(th, tIn, tLimit, tAfter);
       if (accepted) {
         tMet = th;

@@ -1,120 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The march through one volume: it integrates the segments (volume.h) that belong to this partition.
-
-// A map along a segment on which the value goes linearly from s0 to s1.
-struct MapMean {
-  real sigma;                  // mean extinction
-  vec3 color;                  // mean colour, weighted by extinction
-  real sigmaFront, sigmaBack;  // extinctions at s0 and s1
-  vec3 front, back;            // colours there
-};
-
-// Adds the contribution of an interval, along which extinction and colour are linear, to means over a
-// segment. `part`: the fraction of the segment that the interval takes.
-FN void addMean(real s0, real s1, vec3 c0, vec3 c1, real part, INOUT(real) sigma, INOUT(vec3) source) {
-  real h = R(0.5) * (s0 + s1), u = (s1 - s0) * R(0.083333333333333333);
-  sigma += h * part;
-  source.x += (h * (R(0.5) * (c0.x + c1.x)) + u * (c1.x - c0.x)) * part;
-  source.y += (h * (R(0.5) * (c0.y + c1.y)) + u * (c1.y - c0.y)) * part;
-  source.z += (h * (R(0.5) * (c0.z + c1.z)) + u * (c1.z - c0.z)) * part;
-}
-
-// Means over values spread evenly over [s0, s1]. They are exact for the map, whatever nodes it has between
-// them (pre-integration by antiderivatives; Engel 2001, Williams & Max 1992).
-FN MapMean meanAlong(VOLUME v, real s0, real s1) {
-  real lo = min(s0, s1), hi = max(s0, s1);
-  MapPlace p = mapPlace(v, lo), q = mapPlace(v, hi);
-  MapPiece first = mapPiece(v, p.k), last = mapPiece(v, q.k);
-  real a0 = sigmaAt(first, p.f), b1 = sigmaAt(last, q.f);
-  vec3 c0 = colorAt(first, p.f), d1 = colorAt(last, q.f);
-  bool rising = s0 <= s1;
-  MapMean m;
-  m.sigmaFront = rising ? a0 : b1;
-  m.sigmaBack = rising ? b1 : a0;
-  m.front = rising ? c0 : d1;
-  m.back = rising ? d1 : c0;
-  real sigma = R(0.0);
-  vec3 source = make_v3(R(0.0), R(0.0), R(0.0));
-  if (p.k == q.k || !(hi - lo > R(1e-35))) {
-    // One linear piece: its mean is that of a product of linear functions.
-    addMean(a0, b1, c0, d1, R(1.0), sigma, source);
-  } else {
-    // From lo to the end of its interval, the whole intervals between, and from the start of the last
-    // interval to hi.
-    real inverse = R(1.0) / (hi - lo);
-    real partP = (mapNode(v, p.k + 1) - lo) * inverse, partQ = (hi - mapNode(v, q.k)) * inverse;
-    real a1 = sigmaAt(first, R(1.0)), b0 = last.sigma;
-    vec3 c1 = colorAt(first, R(1.0)), d0 = last.color;
-    addMean(a0, a1, c0, c1, partP, sigma, source);
-    addMean(b0, b1, d0, d1, partQ, sigma, source);
-    if (q.k > p.k + 1) {
-      MapSum y = mapSum(v, q.k);
-      int from = p.k + 1;
-      int opaque = mapOpaque(v, q.k);
-      if (opaque > p.k) {  // sums begin anew behind it, so it and what is before it are added by themselves
-        MapPiece o = mapPiece(v, opaque);
-        addMean(o.sigma, sigmaAt(o, R(1.0)), o.color, colorAt(o, R(1.0)),
-                (mapNode(v, opaque + 1) - mapNode(v, opaque)) * inverse, sigma, source);
-        MapSum z = mapSum(v, opaque);
-        y.sigma += z.sigma;
-        y.source = make_v3(y.source.x + z.source.x, y.source.y + z.source.y, y.source.z + z.source.z);
-        if (mapOpaque(v, opaque) > p.k) from = 0;  // hidden by two opaque intervals, so nothing is subtracted
-      }
-      MapSum x = mapSum(v, from);
-      sigma += ((y.sigma - x.sigma) + (y.sigmaRest - x.sigmaRest)) * inverse;
-      source.x += ((y.source.x - x.source.x) + (y.sourceRest.x - x.sourceRest.x)) * inverse;
-      source.y += ((y.source.y - x.source.y) + (y.sourceRest.y - x.sourceRest.y)) * inverse;
-      source.z += ((y.source.z - x.source.z) + (y.sourceRest.z - x.sourceRest.z)) * inverse;
-    }
-  }
-  m.sigma = sigma;
-  real perSigma = m.sigma > R(0.0) ? R(1.0) / m.sigma : R(0.0);
-  m.color = make_v3(source.x * perSigma, source.y * perSigma, source.z * perSigma);
-  return m;
-}
-
-// The distance of a channel's mean colour from the mean of colours that are linear in optical depth.
-FN real curvature(real mean, real front, real back) { return abs(mean - R(0.5) * (front + back)); }
-
-// Adds a piece of optical depth tau, given its mean colour and the colours of its front and back, as if
-// colours were linear in optical depth; the front of a dense piece hides its back. If colours are not linear,
-// and that matters against tMin, nothing is added and true is returned: the piece must be halved, unless it
-// is the `smallest`. `curvatureError`: lower bound on the colour error from assuming that colour is linear in optical
-// depth. `positionError`: fraction of the piece's opacity that may be shown at the wrong depth.
-FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, real curvatureError, real positionError,
-                 bool smallest, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
-  real T = R(1.0) - A;
-  real w = oneMinusExp(tau);
-  real curved = max(max(curvature(mean.x, front.x, back.x), curvature(mean.y, front.y, back.y)),
-                    max(curvature(mean.z, front.z, back.z), curvatureError));
-  bool halve = T * (w * max(min(tau, R(1.0)) * curved, positionError)) > tMin + R(1e-5) && !smallest;
-  if (!halve && tau > R(0.0)) {
-    // The mean of 1/2 - y / tau over what is seen, where y is the optical depth to it.
-    real lead = tau < R(0.3) ? tau * R(0.083333333333333333) : (R(0.5) - R(1.0) / tau) + (R(1.0) - w) / w;
-    if (smallest) lead = R(0.0);  // at a step of the map only the dense side is seen
-    addSegment(rgb, A, tau,
-               make_v3(mean.x + lead * (front.x - back.x), mean.y + lead * (front.y - back.y),
-                       mean.z + lead * (front.z - back.z)),
-               tMin);
-  }
-  return halve;
-}
-
-// The curvature of colours where extinction goes linearly from front to mean to back. It is about right, too,
-// for extinction that rises and falls symmetrically, which means do not show.
-FN real mapCurvatureError(MapMean m) {
-  real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
-  real extinctionSpread = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack));
-  return m.sigma > R(0.0) ? change * R(0.16666666666666667) * min(extinctionSpread / m.sigma, R(2.0))
-                          : R(0.0);
-}
-
-// The value along a ray through a cell: a cubic over [0, 1], the part of the ray that is in the cell, and the
-// bounds of the value there.
-struct CellCurve {
-  vec4 cubic;
-  real low, high;
-};
+// The march through one volume: a walk through macrocells and cells that integrates the segments (volume.h) that belong to this
+// partition. What is added for the part of the ray in a cell is in cell_curve.h.
 
 // The curve from fractions p to q of the cell. It is bernsteinAlong (trilinear.h) with half of the
 // operations, and still within the corners' values.
@@ -138,106 +24,6 @@ FN CellCurve curveIn(CellValues k, vec3 p, vec3 q) {
   return c;
 }
 
-FN real valueOn(CellCurve c, real u) { return clamp1(bernsteinValue(c.cubic, u), c.low, c.high); }
-
-// Upper bound on the fraction of a piece's opacity that is shown at the wrong depth. The value is taken to go
-// linearly from s0 to s1, but is `middle` in the middle. Only the difference between the piece's ends can be
-// at a wrong depth.
-FN real stepPositionError(MapMean m, real s0, real middle, real s1) {
-  real rise = abs(s1 - s0), bow = abs(middle - R(0.5) * (s0 + s1));
-  real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
-  if (m.sigma > R(0.0)) change = max(change, min(abs(m.sigmaFront - m.sigmaBack) / m.sigma, R(1.0)));
-  return bow < rise ? change * (bow / rise) : change;
-}
-
-// The smallest part of a cell, which is not halved. It is large enough to move u where u is 1.
-FN real smallestPiece(real uFrom, real uTo) { return max(R(0.0005) * (uTo - uFrom), R(1e-6)); }
-
-// Adds the pieces from uFrom to uTo of a cell, `span` long, whose value has extrema at turns0 and turns1 (1:
-// none). The value is taken as linear along each piece.
-FN void addPieces(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span, real tMin,
-                  INOUT(vec3) rgb, INOUT(real) A) {
-  real from = uFrom, s = valueOn(c, uFrom), most = R(1.0), smallest = smallestPiece(uFrom, uTo);
-  bool more = true;
-  while (more) {
-    real upTo = min(from < turns0 ? turns0 : (from < turns1 ? turns1 : R(1.0)), uTo);
-    bool whole = upTo - from <= most;
-    real to = whole ? upTo : from + most;
-    real part = to - from, s1 = valueOn(c, to);
-    MapMean m = meanAlong(v, s, s1);
-    more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, mapCurvatureError(m),
-                    stepPositionError(m, s, valueOn(c, from + R(0.5) * part), s1), part <= smallest, tMin,
-                    rgb, A);
-    if (more) {
-      most = R(0.5) * part;
-    } else {
-      from = to;
-      s = s1;
-      most = whole ? R(1.0) : R(2.0) * part;
-      more = from < uTo && R(1.0) - A >= tMin;
-    }
-  }
-}
-
-// The same through a map of few intervals, without sums. A piece also ends where the value leaves its
-// interval, at a root of the cubic. So steps of the map are where they should be, however long segments are.
-FN void integrateCellExact(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span,
-                           real tMin, INOUT(vec3) rgb, INOUT(real) A) {
-  real from = uFrom, s = valueOn(c, uFrom);
-  MapPlace place = mapPlace(v, s);
-  int k = place.k;
-  real f0 = place.f;
-  real most = R(1.0), smallest = smallestPiece(uFrom, uTo);
-  bool more = true;
-  while (more) {
-    real to = min(from < turns0 ? turns0 : (from < turns1 ? turns1 : R(1.0)), uTo);
-    real s1 = valueOn(c, to);
-    bool rising = s1 > s;
-    int behind = rising ? k + 1 : k;  // the node through which the value leaves
-    bool leaves = false;
-    if (abs(s1 - s) > R(1e-35) && behind > 0 && behind < mapIntervals(v))
-      leaves = rising == (s1 >= mapNode(v, behind));
-    if (leaves) {
-      real node = mapNode(v, behind);
-      vec4 b = make_v4(c.cubic.x - node, c.cubic.y - node, c.cubic.z - node, c.cubic.w - node);
-      real before = flushSmall(s - node), after = flushSmall(s1 - node);
-      if (after != R(0.0)) to = refineRoot(b, from, to, before, after, R(1e-4));
-      s1 = node;
-    }
-    bool whole = to - from <= most;
-    if (!whole) {
-      to = from + most;
-      s1 = valueOn(c, to);
-      leaves = false;
-    }
-    real f1 = clamp1((s1 - mapNode(v, k)) * mapInverseLength(v, k), R(0.0), R(1.0));
-    if (leaves) f1 = rising ? R(1.0) : R(0.0);
-    real part = to - from;
-    MapPiece m = mapPiece(v, k);
-    vec3 front = colorAt(m, f0), back = colorAt(m, f1);
-    real sigma = R(0.0);
-    vec3 source = make_v3(R(0.0), R(0.0), R(0.0));
-    addMean(sigmaAt(m, f0), sigmaAt(m, f1), front, back, R(1.0), sigma, source);
-    real perSigma = sigma > R(0.0) ? R(1.0) / sigma : R(0.0);
-    vec3 color = make_v3(source.x * perSigma, source.y * perSigma, source.z * perSigma);
-    more =
-        addPiece(sigma * (part * span), color, front, back, R(0.0), R(0.0), part <= smallest, tMin, rgb, A);
-    if (more) {
-      most = R(0.5) * part;
-    } else {
-      from = to;
-      most = whole ? R(1.0) : R(2.0) * part;
-      s = s1;
-      f0 = f1;
-      if (leaves) {
-        k += rising ? 1 : -1;
-        f0 = rising ? R(0.0) : R(1.0);
-      }
-      more = from < uTo && R(1.0) - A >= tMin;
-    }
-  }
-}
-
 // The index of the first of `count` segments of length dt, from `begin` on, that ends behind t.
 FN real segmentBehind(real t, real begin, real dt, real count) {
   real i = clamp1(floor((t - begin) / dt), R(0.0), count - R(1.0));
@@ -254,8 +40,8 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
 // integrated exactly; for a map of few intervals it is also cut where the value leaves an interval. One loop
 // does all macrocells, so that the rays of a gang, which stay in each for different numbers of cells, do not
 // wait for each other. What lies before t is done elsewhere. Clears `go` where the march ends.
-FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, int plan, real end,
-                               INOUT(Radiance) L, INOUT(int) samples, INOUT(int) macrocells,
+FN_OUTLINE void integrateCells(MAP map, VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, int plan,
+                               real end, INOUT(Radiance) L, INOUT(int) samples, INOUT(int) macrocells,
                                INOUT(int) segmentsSkipped, OUT(real) leaves, INOUT(bool) go) {
   real from = max(tEnter, t);
   ivec3 cells = gridCells(v);
@@ -280,25 +66,16 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
     CellValues k = cellValues(v, c);
     if (tc > ta && holdsData(k)) {
       CellCurve curve = curveIn(k, fractionIn(c, pointAt(r.g, ta)), fractionIn(c, pointAt(r.g, tc)));
-      bool even = curve.low == curve.high,
-           seen = true;  // even: within one interval of the map; seen: it shows something
-      real turns0 = R(1.0), turns1 = R(1.0);
-      if (mapIsSmall(v)) {
-        MapPlace p = mapPlace(v, curve.low), q = mapPlace(v, curve.high);
-        MapPiece piece = mapPiece(v, p.k);
-        even = p.k == q.k;
-        seen = !even || piece.sigma != R(0.0) || piece.sigmaStep != R(0.0);
-      }
-      if (!even) extremaOf(curve.cubic, turns0, turns1);
+      CurveInMap lies = curveInMap(map, curve);
       real span = tc - ta;
-      real count = max(ceil(span * r.cells / (even ? within : step)), R(1.0));
+      real count = max(ceil(span * r.cells / (lies.even ? within : step)), R(1.0));
       real dt = span / count;
-      if (!seen && tc <= m.tOut) passed += toInt(count);
+      if (!lies.seen && tc <= m.tOut) passed += toInt(count);
       real i = R(0.0);
       if (ta < t) i = segmentBehind(t, ta, dt, count);
       real a = max(i > R(0.0) ? ta + i * dt : ta, m.tStart);
       real u = (a - ta) / span;
-      while (go && seen && i < count) {
+      while (go && lies.seen && i < count) {
         i += R(1.0);
         real b = min(i < count ? ta + i * dt : tc, m.tStop);
         if (b > m.tOut) {
@@ -306,10 +83,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
         } else {
           evaluated += 1;
           real uTo = b < tc ? (b - ta) / span : R(1.0);
-          if (mapIsSmall(v))
-            integrateCellExact(v, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
-          else
-            addPieces(v, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
+          addPart(map, curve, lies, u, uTo, span, m.tMin, rgb, A);
           u = uTo;
           a = b;
           if (b >= end || R(1.0) - A < m.tMin) go = false;
@@ -341,15 +115,15 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
 }
 
 // Adds the midpoint segment of `length` in whose middle the value is s; nothing if there is no data.
-FN void addSample(VOLUME v, real s, real length, real tMin, INOUT(vec3) rgb, INOUT(real) A,
+FN void addSample(MAP map, real s, real length, real tMin, INOUT(vec3) rgb, INOUT(real) A,
                   INOUT(int) samples) {
   if (length > R(0.0)) {
     samples += 1;
     if (s - s == R(0.0)) {
-      MapPlace p = mapPlace(v, s);
+      MapPlace p = mapPlace(map, s);
       // Colours are fetched only if some ray of the gang sees something.
-      real sigma = sigmaAt(mapPiece(v, p.k), p.f);
-      if (sigma > R(0.0)) addSegment(rgb, A, sigma * length, colorAt(mapPiece(v, p.k), p.f), tMin);
+      real sigma = sigmaAt(mapPiece(map, p.k), p.f);
+      if (sigma > R(0.0)) addSegment(rgb, A, sigma * length, colorAt(mapPiece(map, p.k), p.f), tMin);
     }
   }
 }
@@ -399,7 +173,7 @@ FN void strideFrom(VOLUME v, GridRay g, StrideUnits u, real t, int plan, OUT(rea
 //
 // `begun`: where the first segment begins if the partition before has handed it on, else -1; on return the
 // same for the partition behind.
-FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, INOUT(Radiance) L,
+FN void integrateVolume(MAP map, VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, INOUT(Radiance) L,
                         INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
   real last = min(end, m.tOut);
@@ -465,7 +239,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
             anyCellwise(v)) {  // GLSL compiles none of this for scenes without such macrocells
           // Copies, so that references in the call do not keep the loop's own variables in memory.
           VolumeRay ray = r;
-          addSample(v, s, length, m.tMin, rgb, A, samples);
+          addSample(map, s, length, m.tMin, rgb, A, samples);
           length = R(0.0);
           Radiance sum;
           sum.rgb = rgb;
@@ -474,7 +248,8 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
           real leaves = tHere;
           bool on = R(1.0) - A >= m.tMin;
           if (on)
-            integrateCells(v, ray, m, from, tHere, planHere, end, sum, counted, entered, passed, leaves, on);
+            integrateCells(map, v, ray, m, from, tHere, planHere, end, sum, counted, entered, passed, leaves,
+                           on);
           rgb = sum.rgb;
           A = sum.A;
           samples = counted;
@@ -530,14 +305,14 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     }
     if (at != passed && isMidpoint(plan)) macrocells += 1;
     strideFrom(v, r.g, units, b, plan, nextLength, nextReach, nextAt, nextPlan);
-    addSample(v, s, length, m.tMin, rgb, A, samples);
+    addSample(map, s, length, m.tMin, rgb, A, samples);
     s = valueIn(k, fractionOf(c, p));
     length = middle - t;
     if (two) {
       vec3 q = pointAt(r.g, R(0.5) * (middle + b));
       ivec3 e = cellAt(v, q);
       CellValues l = cellValues(v, e);
-      addSample(v, s, R(1.0) - A >= m.tMin ? length : R(0.0), m.tMin, rgb, A, samples);
+      addSample(map, s, R(1.0) - A >= m.tMin ? length : R(0.0), m.tMin, rgb, A, samples);
       s = valueIn(l, fractionOf(e, q));
       length = b - middle;
     }
@@ -549,7 +324,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     }
     END_OF_SEGMENTS(isMidpoint(plan) && t < limit && R(1.0) - A >= m.tMin)
   }
-  if (R(1.0) - A >= m.tMin) addSample(v, s, length, m.tMin, rgb, A, samples);
+  if (R(1.0) - A >= m.tMin) addSample(map, s, length, m.tMin, rgb, A, samples);
   L.rgb = rgb;
   L.A = A;
   n.samples += samples;

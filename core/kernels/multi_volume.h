@@ -8,10 +8,9 @@
 // partition that contains its end. The extinction and source of a volume in a segment depend only on that
 // segment, so the partition behind a border finds the same numbers again.
 //
-// Each dialect supplies VOLUMES, a list of the operators that are volume rendered, VOLUME_AT(s, list, k), its
-// k-th volume, and holdsSamples(v), whether this partition has samples of it.
-
-#define MANY_VOLUMES 8
+// Each dialect supplies VOLUMES, a list of the operators that are volume rendered, OPERATOR_AT(s, list, k) and
+// VOLUME_AT(s, list, k), its k-th operator and the volume of that, and holdsSamples(v), whether this partition
+// has samples of it.
 
 // The position of a ray in one volume: part [a, b) of segment `index` of the `count` equal ones of a stretch,
 // with its extinction and source. A stretch is the ray in a macrocell, or in a cell of a macrocell that goes
@@ -71,12 +70,13 @@ FN void enterStretch(VOLUME v, INOUT(Cursor) c, real t) {
 }
 
 // Evaluates extinction and source at t, for a midpoint segment.
-FN void evaluateAt(VOLUME v, GridRay g, real t, INOUT(real) sigma, INOUT(vec3) source, INOUT(int) samples) {
+FN void evaluateAt(MAP map, VOLUME v, GridRay g, real t, INOUT(real) sigma, INOUT(vec3) source,
+                   INOUT(int) samples) {
   samples += 1;
   real s = sampleAt(v, pointAt(g, t));
   if (s - s == R(0.0)) {
-    MapPlace p = mapPlace(v, s);
-    MapPiece m = mapPiece(v, p.k);
+    MapPlace p = mapPlace(map, s);
+    MapPiece m = mapPiece(map, p.k);
     sigma = sigmaAt(m, p.f);
     vec3 color = colorAt(m, p.f);
     source = make_v3(sigma * color.x, sigma * color.y, sigma * color.z);
@@ -87,7 +87,7 @@ FN void evaluateAt(VOLUME v, GridRay g, real t, INOUT(real) sigma, INOUT(vec3) s
 // against tMin that extinction and colour are taken as constant along it. They vary by `extinctionSpread` and `colorSpread`.
 // Its front and the other volumes hide some of that variation, but nothing does where a surface may cut the
 // part off.
-FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
+FN void evaluatePart(OPERATOR op, VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   real start = segmentStart(c), end = segmentEnd(c);
   real part = c.part, sigma = R(0.0);
   vec3 source = make_v3(R(0.0), R(0.0), R(0.0));
@@ -96,21 +96,21 @@ FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
     bool more = true;
     while (more) {
       samples += 1;
-      MapMean m = meanAlong(v, c.s0 + c.begin * c.rise, c.s0 + (c.begin + part) * c.rise);
+      MapMean m = meanAlong(op.map, c.s0 + c.begin * c.rise, c.s0 + (c.begin + part) * c.rise);
       real length = part * c.dt;
       real tau = m.sigma * length;
       real extinctionSpread = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack)) * length;
       real colorSpread =
           max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z)) *
           min(tau, R(1.0));
-      real occluded = min(tau + v.occludingExtinction * length, R(1.0));
+      real occluded = min(tau + op.occludingExtinction * length, R(1.0));
       more = (extinctionSpread + colorSpread) * occluded > R(3.0) * tMin && part > R(0.000244140625);
       if (more) part = R(0.5) * part;
       sigma = m.sigma;
       source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);
     }
   } else if (plan != 0 && !isCellwise(v, plan)) {
-    evaluateAt(v, c.ray.g, R(0.5) * (start + end), sigma, source, samples);
+    evaluateAt(op.map, v, c.ray.g, R(0.5) * (start + end), sigma, source, samples);
   }
   blendInto(c.part, part);
   blendInto(c.sigma, sigma);
@@ -120,18 +120,18 @@ FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
 }
 
 // Evaluates the current part over [a, b] only.
-FN void evaluateBetween(VOLUME v, INOUT(Cursor) c, real a, real b, INOUT(int) samples) {
+FN void evaluateBetween(OPERATOR op, VOLUME v, INOUT(Cursor) c, real a, real b, INOUT(int) samples) {
   int plan = planAt(v, c.walk.index);
   real sigma = c.sigma;
   vec3 source = c.source;
   if (isMidpoint(plan)) {
     sigma = R(0.0);
     source = make_v3(R(0.0), R(0.0), R(0.0));
-    evaluateAt(v, c.ray.g, R(0.5) * (a + b), sigma, source, samples);
+    evaluateAt(op.map, v, c.ray.g, R(0.5) * (a + b), sigma, source, samples);
   } else if (isCellwise(v, plan) && c.holds && c.dt > R(0.0)) {
     samples += 1;
     real start = segmentStart(c), rate = c.rise / c.dt;
-    MapMean m = meanAlong(v, c.s0 + (a - start) * rate, c.s0 + (b - start) * rate);
+    MapMean m = meanAlong(op.map, c.s0 + (a - start) * rate, c.s0 + (b - start) * rate);
     sigma = m.sigma;
     source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);
   }
@@ -140,7 +140,7 @@ FN void evaluateBetween(VOLUME v, INOUT(Cursor) c, real a, real b, INOUT(int) sa
 }
 
 // Evaluates the first part of the current segment.
-FN void evaluateSegment(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
+FN void evaluateSegment(OPERATOR op, VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   blendInto(c.begin, R(0.0));
   blendInto(c.part, R(1.0));
   if (isCellwise(v, planAt(v, c.walk.index))) {
@@ -152,16 +152,16 @@ FN void evaluateSegment(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples
       blendInto(c.rise, valueIn(k, fractionIn(c.cell, pointAt(c.ray.g, end))) - c.s0);
     }
   }
-  evaluatePart(v, c, tMin, samples);
+  evaluatePart(op, v, c, tMin, samples);
 }
 
 // Goes on to the next part of the current segment; returns false behind the last.
-FN bool nextPart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
+FN bool nextPart(OPERATOR op, VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   blendInto(c.begin, c.begin + c.part);
   bool more = c.begin < R(1.0);
   if (more) {
     blendInto(c.part, min(R(2.0) * c.part, R(1.0) - c.begin));
-    evaluatePart(v, c, tMin, samples);
+    evaluatePart(op, v, c, tMin, samples);
   }
   return more;
 }
@@ -180,7 +180,7 @@ FN void countMacrocell(VOLUME v, INOUT(Cursor) c) {
 
 // Goes to the part that ends after t; before the volume, to nothing up to it, with index -1. If the ray
 // enters the volume only at or behind tOut, this partition may not have the macrocell there.
-FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tOut, real tMin, INOUT(int) samples) {
+FN void seekPart(OPERATOR op, VOLUME v, INOUT(Cursor) c, real t, real tOut, real tMin, INOUT(int) samples) {
   blendInto(c.index, R(-1.0));
   if (t >= c.ray.t1 || c.ray.t0 >= c.ray.t1) {
     evaluateNothing(c, NO_HIT);
@@ -196,16 +196,16 @@ FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tOut, real tMin, INOUT(
       blendInto(c.index, R(-1.0));
     } else {
       countMacrocell(v, c);
-      evaluateSegment(v, c, tMin, samples);
+      evaluateSegment(op, v, c, tMin, samples);
       bool more = c.b <= t;
-      while (more) more = nextPart(v, c, tMin, samples) && c.b <= t;
+      while (more) more = nextPart(op, v, c, tMin, samples) && c.b <= t;
     }
   }
 }
 
 // Goes on to the part behind the current one.
-FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
-  if (c.index >= R(0.0) && nextPart(v, c, tMin, samples)) return;
+FN void advance(OPERATOR op, VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
+  if (c.index >= R(0.0) && nextPart(op, v, c, tMin, samples)) return;
   bool more = true;
   if (c.index + R(1.0) < c.count) {
     if (c.index < R(0.0)) countMacrocell(v, c);
@@ -227,7 +227,7 @@ FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
     more = false;
   }
   if (more)
-    evaluateSegment(v, c, tMin, samples);
+    evaluateSegment(op, v, c, tMin, samples);
   else
     evaluateNothing(c, NO_HIT);
 }
@@ -243,8 +243,9 @@ FN void integrateVolumes(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 
   int samples = 0;
   real t = max(max(m.tIn, m.tStart), R(0.0)), end = R(0.0);
   for (UNIFORM int k = 0; k < count; k++) {
+    OPERATOR op = OPERATOR_AT(s, list, k);
     VOLUME v = VOLUME_AT(s, list, k);
-    cursor[k].ray = clippedRay(v, o, d);
+    cursor[k].ray = clippedRay(op.clips, v, o, d);
     cursor[k].entered = 0;
     cursor[k].skipped = 0;
     if (cursor[k].ray.t0 < cursor[k].ray.t1) end = max(end, cursor[k].ray.t1);
@@ -258,12 +259,13 @@ FN void integrateVolumes(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 
   if (go) {
     real begin = R(0.0);
     for (UNIFORM int k = 0; k < count; k++) {
+      OPERATOR op = OPERATOR_AT(s, list, k);
       VOLUME v = VOLUME_AT(s, list, k);
       if (!holdsSamples(v)) {  // not in this partition, but all behind it or all before it
         evaluateNothing(cursor[k], NO_HIT);
         cursor[k].index = R(-1.0);
       } else {
-        seekPart(v, cursor[k], t, m.tOut, m.tMin, samples);
+        seekPart(op, v, cursor[k], t, m.tOut, m.tMin, samples);
       }
       real from = R(0.0);
       if (cursor[k].b == NO_HIT)
@@ -290,8 +292,10 @@ FN void integrateVolumes(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 
       sigma = R(0.0);
       source = make_v3(R(0.0), R(0.0), R(0.0));
       for (UNIFORM int k = 0; k < count; k++) {
+        OPERATOR op = OPERATOR_AT(s, list, k);
         VOLUME v = VOLUME_AT(s, list, k);
-        if (cursor[k].index >= R(0.0) && cursor[k].b < NO_HIT) evaluateBetween(v, cursor[k], a, b, samples);
+        if (cursor[k].index >= R(0.0) && cursor[k].b < NO_HIT)
+          evaluateBetween(op, v, cursor[k], a, b, samples);
         sigma += cursor[k].sigma;
         source.x += cursor[k].source.x;
         source.y += cursor[k].source.y;
@@ -308,8 +312,9 @@ FN void integrateVolumes(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 
       a = b;
       if (b >= end || R(1.0) - A < m.tMin || b >= m.tOut) go = false;
       for (UNIFORM int k = 0; k < count; k++) {
+        OPERATOR op = OPERATOR_AT(s, list, k);
         VOLUME v = VOLUME_AT(s, list, k);
-        if (go && cursor[k].b <= b && holdsSamples(v)) advance(v, cursor[k], m.tMin, samples);
+        if (go && cursor[k].b <= b && holdsSamples(v)) advance(op, v, cursor[k], m.tMin, samples);
       }
     }
   }

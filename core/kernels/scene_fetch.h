@@ -14,6 +14,7 @@
 #define VOLUMES const int*
 #define PLACE(i) std::int64_t(i)
 #endif
+#define OPERATOR_AT(s, list, k) (s).operator_[(list)[k]]
 #define VOLUME_AT(s, list, k) (s).field[(list)[k]]
 // Face i of an axis of the lattice.
 FN real latticeFace(SCENE s, UNIFORM int axis, int i) {

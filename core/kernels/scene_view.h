@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // The structures through which kernels see a scene and a frame. A backend's host side fills them in.
-// volume_view.h defines PTR. Each dialect reads these structures in its own scene_fetch.
+// map_view.h and volume_view.h must come before. Each dialect reads these structures in its own scene_fetch.
 
 #define KIND_VOLUME 0
 #define KIND_PARTICLES 1
 #define KIND_PATHLINES 2
 #define KIND_TRIANGLES 3
 
+// The most volumes that one march integrates together (multi_volume.h).
+#define MANY_VOLUMES 8
+
 struct OperatorView {
   int kind;
   int rendered;  // whether it is a volume that is volume rendered
-  real opacity;  // of its surfaces
+  MapView map;
+  ClipView clips;
+  real occludingExtinction;  // CompiledOperator::occludingExtinction
+  real opacity;              // of its surfaces
   int twoSided;
   int slices;
   PTR(real) slice;  // 4 per plane: n . p = offset
@@ -41,7 +47,7 @@ struct SceneView {
 
   int operators;
   PTR(OperatorView) operator_;
-  PTR(VolumeView) field;  // one per operator; geometry uses only the map and clip planes
+  PTR(VolumeView) field;  // one per operator; empty for geometry
   // Hierarchy over this partition's geometry, in the backend's own form; null if there is none.
   RAW hierarchy;
   int opaqueSurfaces;

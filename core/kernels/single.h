@@ -14,6 +14,7 @@ namespace gxy::single {
 #include "core/kernels/dialect.h"
 #include "core/kernels/all.h"
 #include "core/kernels/cells.h"
+#include "core/kernels/map_fetch.h"
 #include "core/kernels/volume_fetch.h"
 #include "core/kernels/fields.h"
 #include "core/kernels/lines.h"
@@ -27,6 +28,8 @@ namespace gxy::single {
 #undef OUT
 #undef UNIFORM
 #undef VOLUME
+#undef MAP
+#undef CLIPS
 #undef FLOW
 #undef PTR
 #undef RAW

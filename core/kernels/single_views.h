@@ -3,12 +3,12 @@
 #pragma once
 #include "core/kernels/single.h"
 
-#define PTR(T) const T*
-#define RAW const void*
-#define BYTE std::uint8_t
 namespace gxy::single {
-#include "core/kernels/sampling_view.h"
+// clang-format off
+#include "core/kernels/view_types.h"
 #include "core/kernels/scene_view.h"
+#include "core/kernels/sampling_view.h"
+// clang-format on
 }  // namespace gxy::single
 #undef PTR
 #undef RAW

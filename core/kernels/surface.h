@@ -119,9 +119,9 @@ FN Surface fieldSurface(OPERATOR op, VOLUME v, int hitKind, uint index, vec3 o, 
 }
 
 // The colour of an operator's surface without lighting.
-FN vec3 surfaceColor(OPERATOR op, VOLUME v, Surface f) {
+FN vec3 surfaceColor(OPERATOR op, Surface f) {
   vec3 color = f.own;
-  if (!hasColors(op)) color = colorOf(v, f.value);
+  if (!hasColors(op)) color = colorOf(op.map, f.value);
   return color;
 }
 

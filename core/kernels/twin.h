@@ -16,6 +16,7 @@ namespace gxy::twin {
 #include "core/kernels/dialect.h"
 #include "core/kernels/all.h"
 #include "core/kernels/cells.h"
+#include "core/kernels/map_fetch.h"
 #include "core/kernels/volume_fetch.h"
 #include "core/kernels/fields.h"
 #include "core/kernels/lines.h"
@@ -30,6 +31,8 @@ namespace gxy::twin {
 #undef OUT
 #undef UNIFORM
 #undef VOLUME
+#undef MAP
+#undef CLIPS
 #undef FLOW
 #undef PTR
 #undef RAW

@@ -141,23 +141,6 @@ FN void stepMacroWalk(VOLUME v, VolumeRay r, INOUT(int) index, INOUT(vec3) plane
                 crossingOf(plane.z, r.g.po.z, r.g.rpd.z));
 }
 
-struct Radiance {
-  vec3 rgb;  // accumulated, premultiplied
-  real A;    // opacity, 1 - transmittance; a transmittance near 1 would lose what thin segments take away
-};
-
-// Adds a segment of optical depth tau and colour c. If less than tMin would be left behind it, it counts as
-// opaque: what is behind is taken to look the same, not to be black.
-FN void addSegment(INOUT(vec3) rgb, INOUT(real) A, real tau, vec3 c, real tMin) {
-  real T = R(1.0) - A;
-  real w = T * oneMinusExp(tau);
-  w = T - w < tMin ? T : w;
-  rgb.x += w * c.x;
-  rgb.y += w * c.y;
-  rgb.z += w * c.z;
-  A += w;
-}
-
 // The bounds of the work of one partition on one ray: segments that end in (tIn, tOut], from tStart (the
 // ray's last event) to tStop (a hit before tOut, or NO_HIT). The march ends early when transmittance is below
 // tMin.

@@ -2,13 +2,6 @@
 // How C++ reads a VolumeView (volume_view.h).
 
 FN real isovalueAt(VOLUME v, int i) { return v.isovalue[i]; }
-FN real clipValue(VOLUME v, int i) { return v.clip[i]; }
-FN real mapNode(VOLUME v, int k) { return v.nodes[k]; }
-FN real mapInverseLength(VOLUME v, int k) { return v.lengths[k]; }
-FN MapPiece mapPiece(VOLUME v, int k) {
-  PTR(real) p = v.pieces + 8 * k;
-  return {p[0], p[1], make_v3(p[2], p[4], p[6]), make_v3(p[3], p[5], p[7])};
-}
 
 // Number i of the block, whatever the stored type.
 #define OFFSET std::int64_t

@@ -1,32 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a dialect with pointers, C++ or ISPC, reads a VolumeView: the part that both write alike. Each dialect's
-// volume_fetch includes this file after it has defined OFFSET, storedAt and the reading of maps.
+// volume_fetch includes this file after it has defined OFFSET and storedAt.
 
 FN int planAt(VOLUME v, int index) { return v.plan[index]; }
 FN UNIFORM bool anyCellwise(VOLUME v) { return v.byCells != 0; }
 FN int isoWord(VOLUME v, int index) { return v.isoMask[index]; }
-FN int mapBucket(VOLUME v, int i) { return v.buckets[i]; }
-FN int mapNodesUpTo(VOLUME v, real s) {
-  int k = 0;
-  if (mapIntervals(v) > 8) {
-    k += s >= mapNode(v, 8) ? 8 : 0;
-    k += s >= mapNode(v, k + 4) ? 4 : 0;
-    k += s >= mapNode(v, k + 2) ? 2 : 0;
-    k += s >= mapNode(v, k + 1) ? 1 : 0;
-  } else {
-    for (UNIFORM int i = 1; i < mapIntervals(v); i++) k += s >= mapNode(v, i) ? 1 : 0;
-  }
-  return k;
-}
-FN int mapOpaque(VOLUME v, int k) { return v.opaque[k]; }
-FN MapSum mapSum(VOLUME v, int k) {
-  MapSum s;
-  s.sigma = v.sums[8 * k];
-  s.source = make_v3(v.sums[8 * k + 1], v.sums[8 * k + 2], v.sums[8 * k + 3]);
-  s.sigmaRest = v.sums[8 * k + 4];
-  s.sourceRest = make_v3(v.sums[8 * k + 5], v.sums[8 * k + 6], v.sums[8 * k + 7]);
-  return s;
-}
 
 // The scalar of point i.
 FN_OUTLINE real scalarAt(VOLUME v, OFFSET i) {

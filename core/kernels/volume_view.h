@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// One volume of one partition as the kernels see it. The host fills it in namespace gxy::single (ISPC reads the same bytes) or
-// gxy::twin. In GLSL, and in C++ that writes for GLSL (GXY_LAYOUT: the structures alone), the members that are pointers here are
-// places in a buffer. Each dialect fetches in a file of its own, named volume_fetch: C++'s stands here, the others with
-// their backends.
+// One volume of one partition as the kernels see it. view_types.h must come before. Each dialect fetches in a file of its own, named
+// volume_fetch: C++'s stands here, the others with their backends.
 
 #if defined(GXY_GLSL) || defined(GXY_LAYOUT)
-#define PTR(T) uint
-#define RAW uint
 #define VOLUME VolumeView
 #elif defined(ISPC)
-#define PTR(T) const uniform T* uniform
-#define RAW const void* uniform
-#define BYTE unsigned int8
 #define VOLUME const uniform VolumeView&
 #else
-#define PTR(T) const T*
-#define RAW const void*
-#define BYTE std::uint8_t
 #define VOLUME const VolumeView&
 #endif
 
@@ -44,24 +34,8 @@ struct VolumeView {
   int macroX, macroY;                         // macrocells per row and per column
   int macroFirstX, macroFirstY, macroFirstZ;  // global index of the first
 
-  int mapUniform, mapBuckets, mapIntervals;  // see map.h
-  real mapOrigin, mapInverse;
-  real nanRed, nanGreen, nanBlue;  // colour where there is no value
-  real occludingExtinction;        // CompiledOperator::occludingExtinction
-  PTR(int) buckets;
-  PTR(real) nodes;    // start of each interval
-  PTR(real) lengths;  // inverse length of each interval
-  PTR(real) rows;     // of at most 16 intervals: 10 rows of 16, the nodes, lengths and pieces; else null
-  PTR(real) pieces;   // 8 per interval: sigma, its step, then r, g, b each with its step
-  PTR(real)
-  sums;  // 8 per interval: integrals of sigma and sigma * rgb from the last opaque interval to its start,
-         // and what rounding left of them, which counts where two that are large and alike are subtracted
-  PTR(int) opaque;  // the last opaque interval before it, or -1
-
   int isovalues;
   PTR(real) isovalue;
-  int clips;
-  PTR(real) clip;  // 4 per plane: keeps n . p >= offset, render space
 };
 
 #if !defined(GXY_LAYOUT)
@@ -80,23 +54,4 @@ FN int macroIndex(VOLUME v, ivec3 m) {
 }
 FN UNIFORM int macroRow(VOLUME v) { return v.macroX; }
 FN UNIFORM int macroSlice(VOLUME v) { return v.macroX * v.macroY; }
-FN UNIFORM int mapUniform(VOLUME v) { return v.mapUniform; }
-FN UNIFORM real mapOrigin(VOLUME v) { return v.mapOrigin; }
-FN UNIFORM real mapInverse(VOLUME v) { return v.mapInverse; }
-FN UNIFORM int mapBuckets(VOLUME v) { return v.mapBuckets; }
-FN UNIFORM int mapIntervals(VOLUME v) { return v.mapIntervals; }
-#define MAP_SMALL \
-  16  // intervals of maps that are searched by comparing; their nodes are filled up with infinities
-#if !defined(GXY_GLSL)  // has constants for them
-FN UNIFORM bool mapIsSmall(VOLUME v) { return v.mapIntervals <= MAP_SMALL; }
-FN UNIFORM bool mapIsUniform(VOLUME v) { return v.mapUniform > 0; }
-#endif
-struct MapPiece {
-  real sigma, sigmaStep;
-  vec3 color, colorStep;
-};
-struct MapSum {
-  real sigma, sigmaRest;
-  vec3 source, sourceRest;
-};
 #endif

@@ -30,8 +30,8 @@ class CompiledMap {
   int uniform = 0;                ///< number of inner intervals if they are equally long, else 0
   float origin = 0, inverse = 0;  ///< first inner node; 1 / length of a bucket (or, if uniform, an interval)
   std::vector<int32_t> buckets;   ///< first interval of each bucket
-  std::vector<float> nodes, lengths, rows, pieces, sums;  ///< see kernels/volume_view.h
-  std::vector<int32_t> opaque;                            ///< see kernels/volume_view.h
+  std::vector<float> nodes, lengths, rows, pieces, sums;  ///< see kernels/map_view.h
+  std::vector<int32_t> opaque;                            ///< see kernels/map_view.h
   glm::vec3 nan{0};                                       ///< colour of NaN
   double largestColor = 0;                                ///< largest component of any colour
 

@@ -9,6 +9,7 @@
 
 #include "core/comm/error.h"
 #include "core/comm/parallel_for.h"
+#include "core/kernels/single_views.h"
 #include "core/rays/iso_mask.h"
 #include "core/rays/step_plan.h"
 #include "core/scene/colormaps.h"
@@ -100,6 +101,13 @@ bool showsSurfaces(const CompiledOperator& op) {
   return op.vis.type != VisType::Volume || !op.isovalues.empty() || !op.slices.empty() || op.every > 0;
 }
 
+// Enters operator `number` in the scene's lists.
+void listOperator(const CompiledOperator& op, int32_t number, CompiledScene& scene) {
+  if (!op.slices.empty() || op.every > 0) scene.sliced.push_back(number);
+  if (!op.isovalues.empty()) scene.isosurfaces.push_back(number);
+  if (op.vis.type == VisType::Volume && op.vis.volumeRendering) scene.rendered.push_back(number);
+}
+
 using OtherScenes = std::span<const std::shared_ptr<const CompiledScene>>;
 
 // Returns another scene's plan of the same isosurfaces; null if there is none.
@@ -121,7 +129,7 @@ void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, c
   const RenderSpace& space = scene.space;
   const glm::dvec3 s = volume.grid.spacing;
   std::optional<double> others;
-  if (scene.volumesRendered > 1) {
+  if (scene.rendered.size() > 1) {
     others = 0;
     for (const CompiledOperator& o : scene.operators)
       if (&o != &op && o.vis.type == VisType::Volume) *others += largestExtinction(o);
@@ -333,17 +341,20 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
           op.clips.push_back(compilePlane(p, scene->space));
       compileVolume(op, *scene);
       seen.extend(op.data.volume->grid.box());
-      scene->volumesRendered += op.vis.volumeRendering;
     } else {
       compileGeometry(op, *scene, others, partOf(advance, i, 2 * count));
       Box b = op.data.geometry->box;
       const double r = largestRadius(op.vis, op.data.geometry->radiusRange.value_or(op.data.geometry->range));
       if (!b.empty()) seen.extend(Box{b.lo - r, b.hi + r});
     }
+    listOperator(op, int32_t(i), *scene);
     if (showsSurfaces(op) && op.vis.opacity < 1) scene->opaqueSurfaces = false;
     const bool colored = !isVolume && op.data.geometry->colored;
     largestColor = std::max(largestColor, colored ? 1 : op.map.largestColor);
   }
+  if (scene->rendered.size() > MANY_VOLUMES)
+    throw Error("a visualization renders " + std::to_string(scene->rendered.size()) +
+                " volumes at once, expected at most " + std::to_string(MANY_VOLUMES));
   for (size_t i = 0; i < count; i++)
     if (CompiledOperator& op = scene->operators[i]; op.vis.type == VisType::Volume)
       planVolume(op, *scene, others, partOf(advance, count + i, 2 * count));

@@ -71,9 +71,6 @@ struct SharedBytes {
   size_t bytes;
 };
 
-/// The most volumes that one march integrates together (MANY_VOLUMES of kernels/multi_volume.h).
-inline constexpr size_t kMostVolumes = 8;
-
 inline constexpr float kAllOccluding =
     1e30f;  ///< CompiledOperator::occludingExtinction where surfaces may cut segments off
 
@@ -104,9 +101,11 @@ struct CompiledScene {
   std::vector<int32_t> cellPartition;  ///< partition of each cell of the lattice, x fastest
   std::vector<uint8_t> visible;        ///< per partition: whether it may change a ray; the same on all ranks
   std::vector<CompiledOperator> operators;
+  /// Numbers of the operators, in order, that have slices or places at equal distances (Vis::every), that have
+  /// isosurfaces, and that are volume rendered. At most MANY_VOLUMES (kernels/scene_view.h) are volume rendered.
+  std::vector<int32_t> sliced, isosurfaces, rendered;
   bool opaqueSurfaces = true;  ///< no translucent surface, so shadow and AO rays may stop at any hit
-  int volumesRendered = 0;
-  float tMin = 0;  ///< transmittance below which a ray ends
+  float tMin = 0;              ///< transmittance below which a ray ends
   /// Cells of local macrocells that an isovalue passes through, if they hold no isovalue or the block lacks
   /// them. Rays skip them.
   uint64_t isoCellsSkipped = 0;
@@ -127,8 +126,8 @@ inline constexpr double kMostSteps = 1 << 15;
 /// only the answers of local partitions: merge them over ranks (bitwise or), and set it. If one of `others`
 /// shows the same isosurfaces of the same volume, or the same geometry with the same radii, its plan of them
 /// and its primitives are used. Making these looks at all samples and points, and an edit of a map or of a
-/// light need not wait for that. Throws Error for an operator without fitting data, and what `advance`
-/// throws.
+/// light need not wait for that. Throws Error for an operator without fitting data and for more than
+/// MANY_VOLUMES volumes that are volume rendered, and what `advance` throws.
 std::shared_ptr<CompiledScene> compileScene(
     const Visualization& visualization, std::vector<OperatorData> data,
     std::shared_ptr<const Partitioning> partitioning, const RenderSettings& settings,

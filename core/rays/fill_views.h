@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fills the structures that kernels read (core/kernels/volume_view.h, scene_view.h) from compiled scenes, for
+// Fills the structures that kernels read (core/kernels/map_view.h, volume_view.h, scene_view.h) from compiled scenes, for
 // all backends alike. The backend passes `put`: put(array) says where an array is for the kernels, as the
 // type that the structure has for it, and gives null or 0 for an empty array. put.samples(block) does so for
 // a volume's samples.
@@ -43,27 +43,27 @@ inline int viewKindOf(VisType type) {
   }
 }
 
-/// Fills in the map and the clip planes and, for a volume, everything else. `part` is null if the operator
-/// has nothing in the partition.
 template <class View, class Put>
-void fillVolumeView(View& v, const CompiledOperator& op, const OperatorInPartition* part, Put& put) {
-  const CompiledMap& map = op.map;
-  v.mapUniform = map.uniform;
-  v.mapBuckets = int(map.buckets.size());
-  v.mapIntervals = map.intervals();
-  v.mapOrigin = map.origin;
-  v.mapInverse = map.inverse;
+void fillMapView(View& v, const CompiledMap& map, Put& put) {
+  v.intervals = map.intervals();
+  v.uniformIntervals = map.uniform;
+  v.buckets = int(map.buckets.size());
+  v.origin = map.origin;
+  v.inverse = map.inverse;
   v.nanRed = map.nan.r, v.nanGreen = map.nan.g, v.nanBlue = map.nan.b;
-  v.occludingExtinction = op.occludingExtinction;
-  v.buckets = put(map.buckets);
+  v.bucket = put(map.buckets);
   v.nodes = put(map.nodes);
   v.lengths = put(map.lengths);
   v.rows = put(map.rows);
   v.pieces = put(map.pieces);
   v.sums = put(map.sums);
   v.opaque = put(map.opaque);
-  v.clips = int(op.clips.size());
-  v.clip = put(op.clips);
+}
+
+/// Fills in the volume of an operator; nothing if it shows geometry. `part` is null if the operator has nothing in the
+/// partition.
+template <class View, class Put>
+void fillVolumeView(View& v, const CompiledOperator& op, const OperatorInPartition* part, Put& put) {
   if (op.vis.type != VisType::Volume) return;
   const Volume& volume = *op.data.volume;
   const Index3 cells = volume.grid.cells();
@@ -107,11 +107,15 @@ void fillPrimitives(View& v, const GeometryInPartition& part, Put& put) {
   v.neighbours = put(part.neighbours);
 }
 
-/// Fills in how an operator's surfaces look.
+/// Fills in all of an operator but its primitives.
 template <class View, class Put>
 void fillOperatorView(View& v, const CompiledOperator& op, Put& put) {
   v.kind = viewKindOf(op.vis.type);
   v.rendered = op.vis.volumeRendering;
+  fillMapView(v.map, op.map, put);
+  v.clips.planes = int(op.clips.size());
+  v.clips.plane = put(op.clips);
+  v.occludingExtinction = op.occludingExtinction;
   v.opacity = float(op.vis.opacity);
   v.twoSided = op.vis.twoSided;
   v.slices = int(op.slices.size());

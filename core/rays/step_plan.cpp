@@ -84,7 +84,7 @@ int32_t planOf(double segmentsPerCell, Integrator integrator, double within) {
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
                               double tolerance, double step, std::optional<double> others) {
   std::vector<int32_t> plan(summaries.size(), 0);
-  // For a single volume see integrateCellExact and addPieces in kernels/march.h.
+  // For a single volume see addPiecesOfFew and addPieces in kernels/cell_curve.h.
   const double jumpError = others ? kJump : map.intervals() <= MAP_SMALL ? 0 : kHalvedJump;
   for (size_t i = 0; i < plan.size(); i++) {
     const Macrocell& m = summaries[i];

@@ -23,6 +23,7 @@ namespace rays {
 #include "tests/kernels/probe.h"
 }
 #include "core/kernels/cells.h"
+#include "core/kernels/map_fetch.h"
 #include "core/kernels/volume_fetch.h"
 #include "core/kernels/fields.h"
 namespace fields {
@@ -37,7 +38,8 @@ namespace scenes {
 // clang-format on
 
 float probes(VOLUME v, SCENE s, FRAME f, OPERATOR op, VOLUMES list) {
-  return rays::probe(0, 0) + fields::fieldProbe(v, 0, {}) + scenes::sceneProbe(s, f, op, v, list, 0, 0, 0);
+  return rays::probe(0, 0) + fields::fieldProbe(op.map, v, 0, {}) +
+         scenes::sceneProbe(s, f, op, v, list, 0, 0, 0);
 }
 
 }  // namespace gxy::all_probed

@@ -204,7 +204,7 @@ Comparison compare(const Backend& backend, const TestScene& scene, const Compare
   std::ostringstream worst;
   worst << std::setprecision(7);
   int flipsShown = 0;
-  const bool volumes = compiled->volumesRendered > 0;
+  const bool volumes = !compiled->rendered.empty();
   for (int i = 0; i < result.pixels; i++) {
     const float* a = &mine.rgba[4 * size_t(i)];
     const double* b = &truth.rgba[4 * size_t(i)];

@@ -4,6 +4,7 @@
 #include "core/kernels/dialect.h"
 #include "core/kernels/all.h"
 #include "core/kernels/cells.h"
+#include "backends/embree/map_fetch.isph"
 #include "backends/embree/volume_fetch.isph"
 #include "core/kernels/fields.h"
 #include "core/rays/ray_fields.h"

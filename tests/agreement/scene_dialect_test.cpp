@@ -58,7 +58,7 @@ TEST(SceneDialect, HasTheBitsOfCpp) {
   single::FrameView f{};
   std::vector<single::OperatorView> views(operators);
   std::vector<single::VolumeView> fields(operators);
-  std::vector<int> rendered;
+  const std::vector<int32_t>& rendered = scene.rendered;
   const ViewPointers pointers;
   fillSceneView(s, scene, 0, pointers);
   fillFrameView(f, scene, frame);
@@ -69,7 +69,6 @@ TEST(SceneDialect, HasTheBitsOfCpp) {
     fillVolumeView(fields[k], op, &part, pointers);
     fillOperatorView(views[k], op, pointers);
     if (part.geometry) fillPrimitives(views[k], *part.geometry, pointers);
-    if (op.vis.volumeRendering) rendered.push_back(int(k));
   }
   s.operators = int(operators);
   s.operator_ = views.data();

@@ -44,7 +44,7 @@ FN real probeLattice(SCENE s, int p, vec3 o, vec3 d, uint i) {
 FN real probeCuts(SCENE s, OPERATOR op, VOLUME v, VOLUMES list, UNIFORM int count, int p, vec3 o, vec3 d,
                   uint i) {
   real clip0, clip1, tLast = drawIn(i, 11u, R(-1.0), R(0.5));
-  clipInterval(v, o, d, clip0, clip1);
+  clipInterval(op.clips, o, d, clip0, clip1);
   if (p == 13) return clip0;
   if (p == 14) return clip1;
   LastHit last;
@@ -52,7 +52,7 @@ FN real probeCuts(SCENE s, OPERATOR op, VOLUME v, VOLUMES list, UNIFORM int coun
   last.op = asInt(i & 3u);
   last.number = numberOf((i & 4u) == 0u ? HIT_SLICE : HIT_ISOSURFACE, (i >> 3u) & 7u);
   tLast = behindLast(last, 1, (i >> 6u) & 7u);
-  if (p == 15) return boundBehind(v, strictBound(drawIn(i, 12u, R(-1.0), R(1.0)), tLast), clip0);
+  if (p == 15) return boundBehind(op.clips, strictBound(drawIn(i, 12u, R(-1.0), R(1.0)), tLast), clip0);
   real scale = meetsGeometry(make_v3(o.x * R(3e18), o.y, o.z)) ? R(1.0) : R(2.0);
   if (p == 16) return scale * largest3(o);
   if (p < 22) {
@@ -76,15 +76,15 @@ FN real probeCuts(SCENE s, OPERATOR op, VOLUME v, VOLUMES list, UNIFORM int coun
   if (op.kind != KIND_VOLUME) return R(-1.0);
   if (p == 22) {
     if (op.slices == 0) return R(-2.0);
-    return hitSlice(v, clippedRay(v, o, d), o, d, sliceNormal(op, 0u), drawIn(i, 15u, R(-0.5), R(0.5)),
-                    R(0.0), R(1e30), tLast);
+    return hitSlice(v, clippedRay(op.clips, v, o, d), o, d, sliceNormal(op, 0u),
+                    drawIn(i, 15u, R(-0.5), R(0.5)), R(0.0), R(1e30), tLast);
   }
   if (v.isovalues == 0) return R(-2.0);
   IsoStart start;
   start.index = -1;
   start.from = 0;
   int cells = 0, skipped = 0;
-  IsoHit hit = hitIsosurface(v, o, d, R(0.0), R(1e30), tLast, R(1e30), start, cells, skipped);
+  IsoHit hit = hitIsosurface(op.clips, v, o, d, R(0.0), R(1e30), tLast, R(1e30), start, cells, skipped);
   return p == 23 ? hit.t : toReal(hit.index + 10 * cells);
 }
 
@@ -129,11 +129,11 @@ FN bool surfaceAt(OPERATOR op, VOLUME v, uint k, vec3 o, vec3 way, uint i, OUT(v
     start.index = -1;
     start.from = 0;
     int cells = 0, skipped = 0;
-    IsoHit met = hitIsosurface(v, o, d, R(0.0), R(1e30), R(-1.0), R(1e30), start, cells, skipped);
+    IsoHit met = hitIsosurface(op.clips, v, o, d, R(0.0), R(1e30), R(-1.0), R(1e30), start, cells, skipped);
     hit = met.t < NO_HIT;
     if (hit) f = fieldSurface(op, v, HIT_ISOSURFACE, toUint(met.index), o, d, met.t);
   } else if (op.slices > 0) {
-    VolumeRay r = clippedRay(v, o, d);
+    VolumeRay r = clippedRay(op.clips, v, o, d);
     hit = r.t0 < r.t1;
     if (hit) f = fieldSurface(op, v, HIT_SLICE, 0u, o, d, lerp1(r.t0, r.t1, R(0.4)));
   }
@@ -147,7 +147,7 @@ FN real probeSurface(SCENE s, FRAME f, OPERATOR op, VOLUME v, int p, vec3 o, vec
   uint k = op.primitives > 0u ? hash2(i, 21u) % op.primitives : 0u;
   if (!surfaceAt(op, v, k, o, way, i, d, found)) return R(-3.0);
   Surface seen = surfaceSeen(found, d, op.twoSided != 0);
-  vec3 color = surfaceColor(op, v, seen);
+  vec3 color = surfaceColor(op, seen);
   if (p == 25) return seen.normal.x;
   if (p == 26) return seen.normal.z;
   if (p == 27) return seen.geometric.y;
@@ -185,8 +185,8 @@ FN real probeSample(OPERATOR op, VOLUME v, int p, vec3 o, vec3 d, uint i) {
   if (p == 42) return inRange(t, R(0.25), R(0.75)) ? R(1.0) : R(0.0);
   if (op.kind == KIND_PARTICLES || op.kind == KIND_PATHLINES || op.kind == KIND_TRIANGLES) return R(-1.0);
   if (p == 43)
-    return hitStep(v, clippedRay(v, o, d), drawIn(i, 27u, R(0.002), R(0.3)), drawIn(i, 28u, R(0.0), R(0.3)),
-                   t, drawIn(i, 29u, R(-1.0), R(0.4)));
+    return hitStep(v, clippedRay(op.clips, v, o, d), drawIn(i, 27u, R(0.002), R(0.3)),
+                   drawIn(i, 28u, R(0.0), R(0.3)), t, drawIn(i, 29u, R(-1.0), R(0.4)));
   real x = valueMet(v, o, d, t);
   if (p == 41) {
     vec3 gradient = gradientMet(v, o, d, t);

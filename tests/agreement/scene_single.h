@@ -12,6 +12,8 @@
 #define UNIFORM
 #define NO_HIT R(1e30)
 #define VOLUME const VolumeView&
+#define MAP const MapView&
+#define CLIPS const ClipView&
 namespace gxy::single {
 // clang-format off
 #include "core/kernels/scene_fetch.h"
@@ -27,8 +29,11 @@ namespace gxy::single {
 #undef UNIFORM
 #undef NO_HIT
 #undef VOLUME
+#undef MAP
+#undef CLIPS
 #undef SCENE
 #undef FRAME
 #undef OPERATOR
 #undef VOLUMES
+#undef OPERATOR_AT
 #undef VOLUME_AT

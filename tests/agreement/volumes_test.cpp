@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "core/comm/error.h"
+#include "core/kernels/single_views.h"
 #include "tests/agreement/backend.h"
 #include "tests/agreement/compare.h"
 
@@ -339,6 +341,40 @@ TEST(VolumeAgreement, CameraInsideOrthographicAndSeveralRaysPerPixel) {
   scene.camera.height = 2.5;
   scene.settings.background = {0.2, 0.4, 0.6, 0.5};
   expectAgreement(embree(), scene);
+}
+
+TEST(CompiledScene, ListsOperatorsByWhatTheyShow) {
+  TestScene scene = volumeScene("lists", rendered({{-1, 0}, {1, 0.3}}, -1, 1));
+  Vis both = surfaces(VisType::Volume, -1, 1);
+  both.isovalues = {0.1};
+  both.slices = {{{0, 0, 1}, 0.2}};
+  scene.add(both, wavy());
+  scene.add(surfaces(VisType::Particles), makeGeometry(GeometryKind::Particles, sphereMesh(3, false, true)));
+  scene.add(rendered({{2, 0}, {3, 1}}, -1, 1), wavy());  // transparent over all data
+  Vis all = rendered({{-1, 0.1}, {1, 0.2}}, -1, 1);
+  all.isovalues = {0.2};
+  scene.add(all, wavy());
+  Vis steps = surfaces(VisType::Volume, -1, 1);
+  steps.every = 0.1;
+  scene.add(steps, wavy());
+  const auto compiled = scene.compile();
+  EXPECT_EQ(compiled->sliced, (std::vector<int32_t>{1, 5}));
+  EXPECT_EQ(compiled->isosurfaces, (std::vector<int32_t>{1, 4}));
+  EXPECT_EQ(compiled->rendered, (std::vector<int32_t>{0, 4}));
+}
+
+TEST(CompiledScene, RendersSoManyVolumesAtOnceAndNoMore) {
+  TestScene scene = volumeScene("many", rendered({{-1, 0}, {1, 0.3}}, -1, 1));
+  while (scene.data.size() < MANY_VOLUMES) scene.add(rendered({{-1, 0}, {1, 0.3}}, -1, 1), wavy());
+  scene.add(rendered({{2, 0}, {3, 1}}, -1, 1), wavy());  // shows nothing, so it does not count
+  EXPECT_EQ(scene.compile()->rendered.size(), size_t(MANY_VOLUMES));
+  scene.add(rendered({{-1, 0}, {1, 0.3}}, -1, 1), wavy());
+  try {
+    scene.compile();
+    FAIL() << "compiled";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "a visualization renders 9 volumes at once, expected at most 8");
+  }
 }
 
 }  // namespace

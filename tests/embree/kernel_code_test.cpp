@@ -36,7 +36,7 @@ Names kernelsWithNumber(T number) {
   return kernelsWith(bytes);
 }
 
-TEST(KernelCode, MeansOfMapsAreInMarchesOnly) {  // 1/12 in march.h
+TEST(KernelCode, MeansOfMapsAreInMarchesOnly) {  // 1/12 in cell_curve.h
   EXPECT_EQ(kernelsWithNumber(1 / 12.f), (Names{"integrate", "integrate_volumes"}));
 }
 

@@ -58,8 +58,8 @@ void expectDefinition(double rounding) {
       if (clearance(m, v) < 1e-3) continue;
       const double x = evaluate(m.opacity, v);
       if (!m.opacity.extinction && x > 1 - 1e-4 && x < 1) continue;
-      const auto p = mapPlace(*view, Real(v));
-      const auto piece = mapPiece(*view, p.k);
+      const auto p = mapPlace(view.map(), Real(v));
+      const auto piece = mapPiece(view.map(), p.k);
       const double sigma = double(sigmaAt(piece, p.f));
       if (m.opacity.extinction)
         EXPECT_NEAR(sigma, 2 * x, rounding * 2) << v;
@@ -93,7 +93,7 @@ TEST(Maps, EvenMapsOf256PointsNeedNoSearch) {
   const View<float> view(f, shown);
   for (int k = 0; k < 20000; k++) {
     const float v = float(random.in(-0.2, 1.2));
-    const auto c = colorOf(*view, v);
+    const auto c = colorOf(view.map(), v);
     const glm::dvec3 rgb = evaluate(m.color, v);
     for (int a = 0; a < 3; a++) EXPECT_NEAR(double(c[a]), rgb[a], 1e-4) << v;
   }
@@ -114,8 +114,8 @@ TEST(Maps, AValueAtAStepIsAboveIt) {
     shown.plan = evenPlan(f, 0);
     const View<float> view(f, shown);
     for (int label = 1; label <= 40; label++) {
-      const auto p = mapPlace(*view, float(spacing * label));
-      EXPECT_FLOAT_EQ(sigmaAt(mapPiece(*view, p.k), p.f), float(label)) << spacing;
+      const auto p = mapPlace(view.map(), float(spacing * label));
+      EXPECT_FLOAT_EQ(sigmaAt(mapPiece(view.map(), p.k), p.f), float(label)) << spacing;
     }
   }
 }
@@ -129,9 +129,9 @@ TEST(Maps, NodesThatFloatHardlyTellApartLeaveNumbers) {
   shown.plan = evenPlan(f, 0);
   const View<float> view(f, shown);
   for (float v : {-1.f, 0.f, 5e-41f, 1e-40f, 1.f}) {
-    const auto p = mapPlace(*view, v);
-    EXPECT_TRUE(std::isfinite(sigmaAt(mapPiece(*view, p.k), p.f))) << v;
-    EXPECT_TRUE(std::isfinite(colorOf(*view, v).x)) << v;
+    const auto p = mapPlace(view.map(), v);
+    EXPECT_TRUE(std::isfinite(sigmaAt(mapPiece(view.map(), p.k), p.f))) << v;
+    EXPECT_TRUE(std::isfinite(colorOf(view.map(), v).x)) << v;
   }
 }
 
@@ -157,7 +157,7 @@ TEST(Maps, MeansOfFaintPartsBehindDenseOnesKeepTheirDigits) {
           sigma += evaluate(m.opacity, v) / kSteps;
           source += evaluate(m.opacity, v) * evaluate(m.color, v).x / kSteps;
         }
-        const auto mean = meanAlong(*view, float(s0), float(s1));
+        const auto mean = meanAlong(view.map(), float(s0), float(s1));
         EXPECT_NEAR(double(mean.sigma), sigma, 2e-3 * sigma) << plateau;
         EXPECT_NEAR(double(mean.sigma * mean.color.x), source, 2e-3 * sigma) << plateau;
       }
@@ -184,13 +184,13 @@ TEST(Maps, MeanAlongIsTheIntegralOverTheValues) {
       double sigma = 0, source = 0;
       constexpr int kParts = 20000;
       for (int n = 0; n < kParts; n++) {
-        const auto p = mapPlace(*twin, s0 + (s1 - s0) * (n + 0.5) / kParts);
-        const auto piece = mapPiece(*twin, p.k);
+        const auto p = mapPlace(twin.map(), s0 + (s1 - s0) * (n + 0.5) / kParts);
+        const auto piece = mapPiece(twin.map(), p.k);
         sigma += sigmaAt(piece, p.f) / kParts;
         source += sigmaAt(piece, p.f) * colorAt(piece, p.f).x / kParts;
       }
-      const auto s = meanAlong(*single, float(s0), float(s1));
-      const auto t = meanAlong(*twin, s0, s1);
+      const auto s = meanAlong(single.map(), float(s0), float(s1));
+      const auto t = meanAlong(twin.map(), s0, s1);
       const double sigmaS = double(s.sigma), sourceS = double(s.sigma * s.color.x);
       const double sigmaT = t.sigma, sourceT = t.sigma * t.color.x;
       EXPECT_NEAR(sigmaT, sigma, 2e-3) << s0 << " " << s1;
@@ -218,7 +218,7 @@ TEST(Maps, StepsJustAboveAValueLeaveItBefore) {
       auto stored = float((v - units.shift) / units.scale);
       if (floatsAbove > 0)
         stored = stored == 0 ? std::numeric_limits<float>::min() : std::nextafter(stored, INFINITY);
-      const auto c = colorOf(*view, stored);
+      const auto c = colorOf(view.map(), stored);
       return glm::dvec3(c.x, c.y, c.z);
     };
     ASSERT_EQ(at(a, 0), red) << i;

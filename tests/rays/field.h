@@ -23,6 +23,7 @@ namespace gxy::test {
 template <class Real>
 struct Kernels {
   using View = single::VolumeView;
+  using Map = single::MapView;
   using Ray = single::VolumeRay;
   using Range = single::MarchRange;
   using Count = single::MarchCount;
@@ -33,6 +34,7 @@ struct Kernels {
 template <>
 struct Kernels<double> {
   using View = twin::VolumeView;
+  using Map = twin::MapView;
   using Ray = twin::VolumeRay;
   using Range = twin::MarchRange;
   using Count = twin::MarchCount;
@@ -141,7 +143,7 @@ struct Shown {
   bool isoEverywhere = false;  ///< the isosurface walk skips nothing
 };
 
-/// A VolumeView and what it points to. Keep the Field alive.
+/// A VolumeView, a MapView and what they point to. Keep the Field alive.
 template <class Real>
 class View {
  public:
@@ -190,15 +192,15 @@ class View {
     view_.macroFirstX = int(f.block.firstMacrocell[0]);
     view_.macroFirstY = int(f.block.firstMacrocell[1]);
     view_.macroFirstZ = int(f.block.firstMacrocell[2]);
-    view_.mapUniform = s.map.uniform;
-    view_.mapBuckets = int(s.map.buckets.size());
-    view_.mapIntervals = s.map.intervals();
-    view_.nanRed = Real(s.map.nan.r), view_.nanGreen = Real(s.map.nan.g), view_.nanBlue = Real(s.map.nan.b);
-    view_.mapOrigin = Real(s.map.origin), view_.mapInverse = Real(s.map.inverse);
-    view_.buckets = buckets_.data(), view_.nodes = nodes_.data(), view_.lengths = lengths_.data();
-    view_.rows = rows_.empty() ? nullptr : rows_.data();
-    view_.pieces = pieces_.data(), view_.sums = sums_.data();
-    view_.opaque = opaque_.data();
+    map_.intervals = s.map.intervals();
+    map_.uniformIntervals = s.map.uniform;
+    map_.buckets = int(s.map.buckets.size());
+    map_.nanRed = Real(s.map.nan.r), map_.nanGreen = Real(s.map.nan.g), map_.nanBlue = Real(s.map.nan.b);
+    map_.origin = Real(s.map.origin), map_.inverse = Real(s.map.inverse);
+    map_.bucket = buckets_.data(), map_.nodes = nodes_.data(), map_.lengths = lengths_.data();
+    map_.rows = rows_.empty() ? nullptr : rows_.data();
+    map_.pieces = pieces_.data(), map_.sums = sums_.data();
+    map_.opaque = opaque_.data();
     view_.isovalues = int(isovalues_.size());
     view_.isovalue = isovalues_.data();
   }
@@ -206,12 +208,14 @@ class View {
   View& operator=(const View&) = delete;
 
   const typename Kernels<Real>::View& operator*() const { return view_; }
+  const typename Kernels<Real>::Map& map() const { return map_; }
 
  private:
   std::vector<int> buckets_, opaque_;
   std::vector<Real> nodes_, lengths_, rows_, pieces_, sums_, isovalues_;
   std::vector<int32_t> plan_, isoMask_;
   typename Kernels<Real>::View view_{};
+  typename Kernels<Real>::Map map_{};
 };
 
 struct RaySpec {
@@ -239,8 +243,8 @@ March<Real> march(const View<Real>& view, const typename Kernels<Real>::Ray& ray
   Real from = 0, begun = -1;
   for (size_t i = 0; i <= cuts.size(); i++) {
     const Real to = i < cuts.size() ? cuts[i] : Real(1e30);
-    integrateVolume(*view, ray, {from, to, to, Real(-1), to > tStop ? tStop : Real(1e30), tMin}, begun, m.L,
-                    m.count);
+    integrateVolume(view.map(), *view, ray, {from, to, to, Real(-1), to > tStop ? tStop : Real(1e30), tMin},
+                    begun, m.L, m.count);
     from = to;
   }
   return m;

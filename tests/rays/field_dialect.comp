@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// found[f * count + i] = fieldProbe(fields[0], f, ray i), rays being 8 numbers each, for f = the row of the workgroup.
+// found[f * count + i] = fieldProbe(operators[0].map, fields[0], f, ray i), rays being 8 numbers each, for f = the row of the workgroup.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/kernels.glsl"
@@ -9,7 +9,7 @@ layout(std430, set = LANE_SET, binding = 0) readonly buffer Rays { float rays[];
 layout(std430, set = LANE_SET, binding = 1) writeonly buffer Found { float found[]; };
 
 void main() {
-  readMapAhead(fields[0]);
+  readMapAhead(operators[0].map);
   int i = int(gl_GlobalInvocationID.x), f = int(gl_WorkGroupID.y), count = push[0];
   if (i >= count) return;
   ProbeRay r;
@@ -17,5 +17,5 @@ void main() {
   r.d = vec3(rays[8 * i + 3], rays[8 * i + 4], rays[8 * i + 5]);
   r.a = rays[8 * i + 6];
   r.b = rays[8 * i + 7];
-  found[f * count + i] = fieldProbe(fields[0], f, r);
+  found[f * count + i] = fieldProbe(operators[0].map, fields[0], f, r);
 }

@@ -13,17 +13,19 @@
 #define FN inline
 #define R(x) real(x)
 #define VOLUME const VolumeView&
+#define MAP const MapView&
 namespace gxy::single {
 #include "tests/rays/field_probe.h"
 }  // namespace gxy::single
 #undef FN
 #undef R
 #undef VOLUME
+#undef MAP
 
 extern "C" {
-void field_probe_sse4(const void* view, int count, const float* rays, float* out);
-void field_probe_avx2(const void* view, int count, const float* rays, float* out);
-void field_probe_avx512skx(const void* view, int count, const float* rays, float* out);
+void field_probe_sse4(const void* map, const void* view, int count, const float* rays, float* out);
+void field_probe_avx2(const void* map, const void* view, int count, const float* rays, float* out);
+void field_probe_avx512skx(const void* map, const void* view, int count, const float* rays, float* out);
 }
 
 namespace gxy::test {
@@ -31,7 +33,7 @@ namespace {
 
 struct Target {
   const char* name;
-  void (*probe)(const void*, int, const float*, float*);
+  void (*probe)(const void*, const void*, int, const float*, float*);
 };
 
 std::vector<Target> targets() {
@@ -58,7 +60,7 @@ int differences(const Field& f, const Shown& shown, double lo, double hi, uint64
     for (int i = 0; i < kRays; i++) {
       const float* r = &rays[size_t(8 * i)];
       float& x = expected[size_t(p) * kRays + size_t(i)];
-      x = single::fieldProbe(*view, p, {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}, r[6], r[7]});
+      x = single::fieldProbe(view.map(), *view, p, {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}, r[6], r[7]});
       varied += x != expected[size_t(p) * kRays];
     }
   int different = 0;
@@ -73,7 +75,7 @@ int differences(const Field& f, const Shown& shown, double lo, double hi, uint64
     }
   };
   for (const Target& target : targets()) {
-    target.probe(&*view, kRays, rays.data(), got.data());
+    target.probe(&view.map(), &*view, kRays, rays.data(), got.data());
     compare(target.name);
   }
 #ifdef GALAXY_VULKAN

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that read volumes, in the common dialect: fieldProbe(v, f, ...) is a number that they compute for a ray. C++ and
+// The kernels that read volumes, in the common dialect: fieldProbe(map, v, f, ...) is a number that they compute for a ray. C++ and
 // ISPC read it after core/kernels/fields.h; their results have the same bits.
 
 #define FIELD_PROBES 28
@@ -47,21 +47,21 @@ FN real probeGrid(VOLUME v, int f, VolumeRay r) {
 }
 
 // The map at a value, and between two.
-FN real probeMap(VOLUME v, int f, ProbeRay r) {
-  MapPlace p = mapPlace(v, r.a);
-  MapPiece piece = mapPiece(v, p.k);
+FN real probeMap(MAP map, int f, ProbeRay r) {
+  MapPlace p = mapPlace(map, r.a);
+  MapPiece piece = mapPiece(map, p.k);
   vec3 c = colorAt(piece, p.f);
   if (f == 12) return toReal(p.k);
   if (f == 13) return sigmaAt(piece, p.f);
   if (f == 14) return c.x;
   if (f == 15) return c.z;
-  MapMean m = meanAlong(v, r.a, r.b);
+  MapMean m = meanAlong(map, r.a, r.b);
   if (f == 16) return m.sigma;
   return f == 17 ? m.color.x : m.color.y;
 }
 
 // The march: all of it, or the part that ends between two places.
-FN real probeMarch(VOLUME v, int f, VolumeRay r) {
+FN real probeMarch(MAP map, VOLUME v, int f, VolumeRay r) {
   bool part = f >= 24;
   MarchRange m;
   m.tIn = part ? R(0.7) * r.t0 + R(0.3) * r.t1 : R(0.0);
@@ -75,7 +75,7 @@ FN real probeMarch(VOLUME v, int f, VolumeRay r) {
   L.A = R(0.0);
   MarchCount n = nothingMarched();
   real begun = R(-1.0);
-  integrateVolume(v, r, m, begun, L, n);
+  integrateVolume(map, v, r, m, begun, L, n);
   if (f == 19) return L.rgb.x;
   if (f == 20) return L.rgb.y;
   if (f == 21) return L.rgb.z;
@@ -83,13 +83,13 @@ FN real probeMarch(VOLUME v, int f, VolumeRay r) {
   return f == 25 ? L.rgb.x + L.rgb.y : L.A;
 }
 
-FN real fieldProbe(VOLUME v, int f, ProbeRay ray) {
+FN real fieldProbe(MAP map, VOLUME v, int f, ProbeRay ray) {
   VolumeRay r = volumeRay(v, ray.o, ray.d, R(0.0), R(1e30));
   if (f < 3) return probeGrid(v, f, r);
   if (!(r.t0 < r.t1)) return R(-1.0);
   if (f < 12) return probeGrid(v, f, r);
-  if (f < 19) return probeMap(v, f, ray);
-  if (f < 26) return probeMarch(v, f, r);
+  if (f < 19) return probeMap(map, f, ray);
+  if (f < 26) return probeMarch(map, v, f, r);
   IsoStart start;
   start.index = -1;
   start.from = 0;

@@ -31,8 +31,8 @@ TEST(Skipping, OfTransparentMacrocellsChangesNoBit) {
           const float t = w.t + (out - w.t) * random.in(0.001, 0.999);
           const float s = sampleAt(*view, pointAt(ray.g, t));
           if (macroAt(*view, pointAt(ray.g, t)) != w.index || !(s == s)) continue;
-          const auto place = mapPlace(*view, s);
-          EXPECT_EQ(sigmaAt(mapPiece(*view, place.k), place.f), 0);
+          const auto place = mapPlace(view.map(), s);
+          EXPECT_EQ(sigmaAt(mapPiece(view.map(), place.k), place.f), 0);
           tried++;
         }
       }

@@ -143,9 +143,9 @@ BENCHMARK(IsosurfaceSkippedRays)->Arg(6)->Arg(7);
 void MarchedRays(benchmark::State& state) {
   const auto rays = raysAlong(kDirections[7]);
   auto out = results();
-  const auto& view = state.range(0) ? *Volumes::get().peaksView : *Volumes::get().rampView;
+  const auto& shown = state.range(0) ? Volumes::get().peaksView : Volumes::get().rampView;
   state.SetLabel(state.range(0) ? "eight peaks" : "ramp");
-  for (auto _ : state) ispc::marchRays(&view, rays.data(), kRays * kRays, out.data());
+  for (auto _ : state) ispc::marchRays(&shown.map(), &*shown, rays.data(), kRays * kRays, out.data());
   state.SetItemsProcessed(state.iterations() * kRays * kRays);
 }
 BENCHMARK(MarchedRays)->Arg(0)->Arg(1);
@@ -174,9 +174,9 @@ std::vector<float> mapValues() {
 void MapEvaluations(benchmark::State& state) {
   const auto values = mapValues();
   auto out = results();
-  const auto& view = state.range(0) ? *Volumes::get().peaksView : *Volumes::get().rampView;
+  const auto& shown = state.range(0) ? Volumes::get().peaksView : Volumes::get().rampView;
   state.SetLabel(state.range(0) ? "eight peaks" : "ramp");
-  for (auto _ : state) ispc::evaluateMap(&view, values.data(), int(values.size()), out.data());
+  for (auto _ : state) ispc::evaluateMap(&shown.map(), values.data(), int(values.size()), out.data());
   state.SetItemsProcessed(state.iterations() * int64_t(values.size()));
 }
 BENCHMARK(MapEvaluations)->Arg(0)->Arg(1);
@@ -184,9 +184,9 @@ BENCHMARK(MapEvaluations)->Arg(0)->Arg(1);
 void MapIntegrals(benchmark::State& state) {
   const auto values = mapValues();
   auto out = results();
-  const auto& view = state.range(0) ? *Volumes::get().peaksView : *Volumes::get().rampView;
+  const auto& shown = state.range(0) ? Volumes::get().peaksView : Volumes::get().rampView;
   state.SetLabel(state.range(0) ? "eight peaks" : "ramp");
-  for (auto _ : state) ispc::integrateMap(&view, values.data(), int(values.size()), out.data());
+  for (auto _ : state) ispc::integrateMap(&shown.map(), values.data(), int(values.size()), out.data());
   state.SetItemsProcessed(state.iterations() * int64_t(values.size()));
 }
 BENCHMARK(MapIntegrals)->Arg(0)->Arg(1);

@@ -4,12 +4,16 @@
 #include "core/kernels/dialect.h"
 #include "core/kernels/all.h"
 #include "core/kernels/cells.h"
+#include "backends/embree/map_fetch.isph"
 #include "backends/embree/volume_fetch.isph"
 #include "core/kernels/fields.h"
 
 #define USE_VOLUME(name, p)                                                                \
   const uniform VolumeView* uniform name##Pointer = (const uniform VolumeView* uniform)p; \
   const uniform VolumeView& name = *name##Pointer
+#define USE_MAP(name, p)                                                             \
+  const uniform MapView* uniform name##Pointer = (const uniform MapView* uniform)p; \
+  const uniform MapView& name = *name##Pointer
 
 static inline VolumeRay rayOf(VOLUME v, const uniform float rays[], int i) {
   const uniform float* r = rays + 6 * i;
@@ -106,29 +110,30 @@ export void findRoots(const uniform float cubics[], uniform int n, uniform float
   }
 }
 
-export void evaluateMap(const void* uniform volume, const uniform float values[], uniform int n,
+export void evaluateMap(const void* uniform mapData, const uniform float values[], uniform int n,
                         uniform float out[]) {
-  USE_VOLUME(v, volume);
+  USE_MAP(map, mapData);
   foreach (i = 0 ... n) {
-    MapPlace p = mapPlace(v, values[i]);
-    MapPiece piece = mapPiece(v, p.k);
+    MapPlace p = mapPlace(map, values[i]);
+    MapPiece piece = mapPiece(map, p.k);
     vec3 c = colorAt(piece, p.f);
     out[i] = sigmaAt(piece, p.f) * (c.x + c.y + c.z);
   }
 }
 
 // The map's mean between each value and the next, as pre-integrated segments take it.
-export void integrateMap(const void* uniform volume, const uniform float values[], uniform int n,
+export void integrateMap(const void* uniform mapData, const uniform float values[], uniform int n,
                          uniform float out[]) {
-  USE_VOLUME(v, volume);
+  USE_MAP(map, mapData);
   foreach (i = 0 ... n - 1) {
-    MapMean mean = meanAlong(v, values[i], values[i + 1]);
+    MapMean mean = meanAlong(map, values[i], values[i + 1]);
     out[i] = mean.sigma + mean.color.x;
   }
 }
 
-export void marchRays(const void* uniform volume, const uniform float rays[], uniform int n,
+export void marchRays(const void* uniform mapData, const void* uniform volume, const uniform float rays[], uniform int n,
                       uniform float out[]) {
+  USE_MAP(map, mapData);
   USE_VOLUME(v, volume);
   MarchRange m;
   m.tIn = 0.0f;
@@ -143,7 +148,7 @@ export void marchRays(const void* uniform volume, const uniform float rays[], un
     L.rgb = make_v3(0.0f, 0.0f, 0.0f);
     L.A = 0.0f;
     float begun = -1.0f;
-    integrateVolume(v, rayOf(v, rays, i), m, begun, L, count);
+    integrateVolume(map, v, rayOf(v, rays, i), m, begun, L, count);
     out[i] = L.A;
   }
 }
