@@ -142,6 +142,14 @@ Connectivity connect(const MeshCells& cells, uint64_t points) {
     }
   }
   std::sort(found.shell.begin(), found.shell.end());
+  for (const CellType type : kAllCellTypes) {
+    const int faces = shapeOf(type).faces;
+    const std::vector<FaceId>& neighbours = found.neighbours[size_t(type)];
+    for (auto cell = neighbours.begin(); cell != neighbours.end(); cell += faces)
+      found.twins += *cell != kNoFace && std::all_of(cell, cell + faces, [&](FaceId other) {
+        return other != kNoFace && cellOf(other) == cellOf(*cell);
+      });
+  }
   return found;
 }
 

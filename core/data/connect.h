@@ -22,6 +22,8 @@ struct Connectivity {
   /// Pairs of faces that run the same way around: one of their cells is inverted, or they overlap.
   uint64_t sameSide = 0;
   uint64_t repeated = 0;  ///< cells with a point twice
+  /// Cells all of whose faces are those of one other cell. Both have the same points, and no ray would find them from the shell.
+  uint64_t twins = 0;
 };
 
 /// Finds the neighbours in time that grows as the number of cells does: faces are sorted by their lowest point, and then among those

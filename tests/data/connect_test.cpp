@@ -298,6 +298,18 @@ TEST(Connect, IslandsAndPointsThatTouchStayApart) {
   EXPECT_EQ(connect(cells, 13).shell.size(), 16u);
 }
 
+TEST(Connect, CountsCellsThatAreThereTwice) {
+  MeshCells cells;
+  add(cells, CellType::Tetrahedron, {0, 1, 2, 3});
+  add(cells, CellType::Tetrahedron, {1, 2, 3, 4});
+  EXPECT_EQ(connect(cells, 5).twins, 0u);
+  add(cells, CellType::Hexahedron, {5, 6, 7, 8, 9, 10, 11, 12});
+  add(cells, CellType::Hexahedron, {9, 10, 11, 12, 5, 6, 7, 8});
+  const Connectivity c = connect(cells, 13);
+  EXPECT_EQ(c.twins, 2u);
+  EXPECT_EQ(c.shell.size(), 6u);
+}
+
 TEST(Connect, RefusesPointsThatAreNotThere) {
   MeshCells cells;
   add(cells, CellType::Tetrahedron, {0, 1, 2, 9});
