@@ -124,8 +124,8 @@ class EndedFilters {
     std::promise<Reply> made;
     const uint32_t id = client->send(request, [&](const Reply& reply) { made.set_value(reply); });
     begun.get_future().get();
-    bystander->expectTheSamePicture();
     client->expect("cancel " + std::to_string(id));
+    bystander->expectTheSamePicture();
     const Reply reply = made.get_future().get();
     const std::lock_guard lock(mutex_);
     onProgress_ = nullptr;
