@@ -67,6 +67,7 @@ class Batch {
   void addAsked(std::chrono::nanoseconds time) {
     results_[0].counters.nsDeviceAsked += uint64_t(time.count());
   }
+  /// Whether its rays record samples.
   bool samples() const { return frame_.sampling != nullptr; }
   /// Gives up the lane, when the batch is over.
   std::unique_ptr<Lane> takeLane() { return std::move(lane_); }
