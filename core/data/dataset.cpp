@@ -23,9 +23,11 @@ std::vector<Origin> originsOf(std::span<const InputOrigins> inputs) {
   return origins;
 }
 
-Box Dataset::box() const { return volume ? volume->grid.box() : geometry->box; }
-Range Dataset::range() const { return volume ? volume->ranges.back() : geometry->range; }
-int Dataset::components() const { return volume ? volume->components : 1; }
+Box Dataset::box() const { return volume ? volume->grid.box() : mesh ? mesh->box : geometry->box; }
+Range Dataset::range() const {
+  return volume ? volume->ranges.back() : mesh ? mesh->ranges.back() : geometry->range;
+}
+int Dataset::components() const { return volume ? volume->components : mesh ? mesh->components : 1; }
 
 int64_t newestStep(const Dataset& dataset) {
   int64_t newest = 0;

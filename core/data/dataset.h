@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A dataset: a volume or a geometry with its partitioning, and where it comes from.
+// A dataset: a volume, a mesh or a geometry with its partitioning, and where it comes from.
 #pragma once
 #include <compare>
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/data/box.h"
+#include "core/data/mesh.h"
 #include "core/data/owned_geometry.h"
 #include "core/data/partitioning.h"
 #include "core/data/volume.h"
@@ -60,7 +61,8 @@ struct Dataset {
   std::string stream;  ///< of which simulation `array` is a field; empty for what was read or made
   glm::dvec4 color{0.8, 0.8, 0.8, 1};
   std::shared_ptr<const Partitioning> partitioning;
-  std::shared_ptr<const Volume> volume;           ///< of a volume
+  std::shared_ptr<const Volume> volume;           ///< of a volume on a uniform grid
+  std::shared_ptr<const Mesh> mesh;               ///< of an unstructured volume
   std::shared_ptr<const OwnedGeometry> geometry;  ///< else
   std::vector<Origin> origins;                    ///< sorted, at most one of each source
   /// Simulation time, in the simulation's unit; NaN: unknown. Streams set it; no import does so far.

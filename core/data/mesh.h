@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// MeshCells: the cells of an unstructured mesh, by their types.
+// Unstructured volumes: values at the points of a mesh of cells, stored per local partition.
 #pragma once
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
+
+#include "core/data/box.h"
+#include "core/data/partitioning.h"
 
 namespace gxy {
 
@@ -51,5 +57,48 @@ struct MeshCells {
   CellType typeOf(uint32_t cell) const;
   std::span<const uint32_t> pointsOf(uint32_t cell) const;
 };
+
+/// The cells that touch one partition, with their points. Points and cells are numbered in an order of the whole mesh (meshBlock() in
+/// mesh_blocks.h), of which each partition has a part. So of two points or cells the same one has the lower number in all partitions.
+struct MeshBlock {
+  std::vector<glm::dvec3> points;  ///< world coordinates
+  std::vector<float> values;       ///< stored values, the components of a point together
+  MeshCells cells;                 ///< the points of a tetrahedron ascend
+  /// By type: for each face of each cell the face of the neighbour in this block, or kNoFace.
+  std::array<std::vector<FaceId>, kCellTypes> neighbours;
+  std::vector<FaceId> shell;  ///< the faces without a neighbour in this block that have an area, ascending
+};
+
+/// What an import has found in a mesh. All counts are of the whole mesh.
+struct MeshReport {
+  std::array<uint64_t, kCellTypes> cells{};  ///< of each type
+  uint64_t points = 0;
+  uint64_t flatCells = 0;        ///< cells of lower dimension, which have no volume and are left out
+  uint64_t ghostCells = 0;       ///< duplicate, refined or hidden cells, which are left out
+  uint64_t repeatedCells = 0;    ///< cells with the same points as another one, which are left out
+  uint64_t degenerateCells = 0;  ///< cells with a point twice, which are left out
+  uint64_t unusableCells = 0;    ///< cells with a point whose coordinates are not finite, which are left out
+  uint64_t mergedPoints = 0;     ///< points at exactly the same place as another one, which are taken as one
+  uint64_t differingPoints =
+      0;                      ///< of those, the points whose values differ; the first one's values are used
+  uint64_t crowdedFaces = 0;  ///< faces of three or more cells; rays go from none of these to another
+  uint64_t noDataPoints =
+      0;  ///< points with a NaN or infinite value; cells that have such a point are transparent
+};
+
+/// An unstructured volume. Values are shift + scale * stored (encodingOf()). It is immutable once complete; any thread may read it.
+struct Mesh {
+  std::string name;
+  int components = 1;
+  double shift = 0, scale = 1;
+  /// Ranges of values (not stored values) over all points: one for each component, then one for the magnitude if there are several.
+  std::vector<Range> ranges;
+  Box box;  ///< of all points that cells have, world
+  MeshReport report;
+  std::map<int, MeshBlock> blocks;  ///< by local partition
+};
+
+/// Memory of the local blocks in bytes.
+int64_t bytesOf(const Mesh& mesh);
 
 }  // namespace gxy

@@ -15,7 +15,7 @@ std::optional<DatasetType> datasetTypeNamed(const std::string& name) {
 }
 
 DatasetType typeOf(const Dataset& dataset) {
-  if (dataset.volume) return DatasetType::Volume;
+  if (dataset.volume || dataset.mesh) return DatasetType::Volume;
   switch (dataset.geometry->kind) {
     case GeometryKind::Particles:
       return DatasetType::Particles;
