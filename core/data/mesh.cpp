@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/data/mesh.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
 namespace gxy {
 
 namespace {
@@ -47,6 +51,18 @@ std::span<const uint32_t> MeshCells::pointsOf(uint32_t cell) const {
   const CellType type = typeOf(cell);
   const size_t n = shapeOf(type).points;
   return std::span(points[size_t(type)]).subspan((cell - first(type)) * n, n);
+}
+
+double typicalLength(const Mesh& mesh) {
+  if (mesh.box.empty()) return 1;
+  const auto cells =
+      std::max(uint64_t(1), std::accumulate(mesh.report.cells.begin(), mesh.report.cells.end(), uint64_t(0)));
+  const glm::dvec3 size = mesh.box.hi - mesh.box.lo;
+  const double longest = std::max({size.x, size.y, size.z});
+  // The cube roots come first, as the product of three lengths may be outside the range of double.
+  const double side = std::cbrt(size.x) * std::cbrt(size.y) * std::cbrt(size.z);
+  if (side > 0) return side / std::cbrt(double(cells));
+  return longest > 0 ? longest / std::cbrt(double(cells)) : 1;
 }
 
 int64_t bytesOf(const Mesh& mesh) {

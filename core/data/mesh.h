@@ -98,6 +98,11 @@ struct Mesh {
   std::map<int, MeshBlock> blocks;  ///< by local partition
 };
 
+/// Returns the side of a cube as large as the mesh's box divided by the number of its cells, in world units: the reference length of
+/// opacities where a Vis gives none. It depends on `box` and `report` alone, so it is the same on all ranks. It is positive also if the
+/// box is flat or empty.
+double typicalLength(const Mesh& mesh);
+
 /// Memory of the local blocks in bytes.
 int64_t bytesOf(const Mesh& mesh);
 
