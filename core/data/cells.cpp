@@ -17,17 +17,17 @@ void appendLine(std::span<const uint32_t> points, GeometryBlock& block) {
   }
 }
 
-void appendTriangles(CellType type, std::span<const uint32_t> points, GeometryBlock& block) {
+void appendTriangles(DrawnCellType type, std::span<const uint32_t> points, GeometryBlock& block) {
   const auto add = [&](size_t a, size_t b, size_t c) {
     block.triangles.push_back({points[a], points[b], points[c]});
   };
-  if (type == CellType::TriangleStrip) {
+  if (type == DrawnCellType::TriangleStrip) {
     for (size_t i = 0; i + 2 < points.size(); ++i) add(i + i % 2, i + 1 - i % 2, i + 2);
   } else if (points.size() == 3) {
     add(0, 1, 2);
   } else {
     std::vector<uint32_t> around(points.begin(), points.end());
-    if (type == CellType::Pixel && around.size() == 4) std::swap(around[2], around[3]);
+    if (type == DrawnCellType::Pixel && around.size() == 4) std::swap(around[2], around[3]);
     std::vector<glm::dvec3> corners;
     for (const uint32_t point : around) corners.push_back(block.points[point]);
     std::vector<std::array<uint32_t, 3>> cut;

@@ -12,7 +12,7 @@
 namespace gxy {
 
 /// The cells of first order that become path lines or triangles, by their numbers in VTK.
-enum class CellType : uint8_t {
+enum class DrawnCellType : uint8_t {
   Line = 3,
   PolyLine = 4,
   Triangle = 5,
@@ -24,32 +24,32 @@ enum class CellType : uint8_t {
 
 /// Whether cells of a type become path lines, or triangles. Any number may be asked for.
 constexpr bool becomesLines(int type) {
-  return type == int(CellType::Line) || type == int(CellType::PolyLine);
+  return type == int(DrawnCellType::Line) || type == int(DrawnCellType::PolyLine);
 }
 constexpr bool becomesTriangles(int type) {
-  return type >= int(CellType::Triangle) && type <= int(CellType::Quad);
+  return type >= int(DrawnCellType::Triangle) && type <= int(DrawnCellType::Quad);
 }
 
 /// The number of points of each cell of a type; 0 if they have any number.
-constexpr size_t pointsOfEach(CellType type) {
+constexpr size_t pointsOfEach(DrawnCellType type) {
   switch (type) {
-    case CellType::Line:
+    case DrawnCellType::Line:
       return 2;
-    case CellType::Triangle:
+    case DrawnCellType::Triangle:
       return 3;
-    case CellType::Pixel:
-    case CellType::Quad:
+    case DrawnCellType::Pixel:
+    case DrawnCellType::Quad:
       return 4;
-    case CellType::PolyLine:
-    case CellType::TriangleStrip:
-    case CellType::Polygon:
+    case DrawnCellType::PolyLine:
+    case DrawnCellType::TriangleStrip:
+    case DrawnCellType::Polygon:
       break;
   }
   return 0;
 }
 
 /// The number of segments or triangles of a cell with this many points; 0 if there are too few.
-constexpr size_t primitivesOf(CellType type, size_t points) {
+constexpr size_t primitivesOf(DrawnCellType type, size_t points) {
   const size_t fewer = becomesLines(int(type)) ? 1 : 2;
   return points > fewer ? points - fewer : 0;
 }
@@ -58,7 +58,7 @@ constexpr size_t primitivesOf(CellType type, size_t points) {
 void appendLine(std::span<const uint32_t> points, GeometryBlock& block);
 /// Appends the triangles of a cell that becomes triangles: those of primitivesOf(). Faces of more than three corners are cut by
 /// triangulate(). The points are in the block.
-void appendTriangles(CellType type, std::span<const uint32_t> points, GeometryBlock& block);
+void appendTriangles(DrawnCellType type, std::span<const uint32_t> points, GeometryBlock& block);
 
 /// Copies points so that each cell has points of its own, which its primitives share; so a cell can have one
 /// value or colour. For each point that is added, give(split, cell) appends the value or colour of its cell.

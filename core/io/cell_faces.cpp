@@ -47,9 +47,9 @@ Faces prism(int n) {
 }
 
 /// Makes a shape. `centres` has the centre points of the faces from `firstCentred` on.
-CellShape shape(int points, bool solid, const Faces& faces, const Edges& edges = {}, size_t firstCentred = 0,
-                const std::vector<int>& centres = {}) {
-  CellShape made{points, solid, {}};
+DrawnCellShape shape(int points, bool solid, const Faces& faces, const Edges& edges = {},
+                     size_t firstCentred = 0, const std::vector<int>& centres = {}) {
+  DrawnCellShape made{points, solid, {}};
   int corners = 0;
   for (const auto& face : faces) corners = std::max(corners, 1 + *std::max_element(face.begin(), face.end()));
   const auto middleOf = [&](int a, int b) {
@@ -58,7 +58,7 @@ CellShape shape(int points, bool solid, const Faces& faces, const Edges& edges =
     return -1;
   };
   for (size_t f = 0; f < faces.size(); ++f) {
-    CellFace face{faces[f], {}, -1};
+    DrawnCellFace face{faces[f], {}, -1};
     for (size_t i = 0; i < face.corners.size(); ++i)
       face.middles.push_back(middleOf(face.corners[i], face.corners[(i + 1) % face.corners.size()]));
     if (f >= firstCentred && f - firstCentred < centres.size()) face.centre = centres[f - firstCentred];
@@ -67,7 +67,7 @@ CellShape shape(int points, bool solid, const Faces& faces, const Edges& edges =
   return made;
 }
 
-std::map<int, CellShape> allShapes() {
+std::map<int, DrawnCellShape> allShapes() {
   return {
       {VTK_TETRA, shape(4, true, kTetra)},
       {VTK_VOXEL, shape(8, true, kVoxel)},
@@ -95,7 +95,7 @@ std::map<int, CellShape> allShapes() {
   };
 }
 
-bool hasAllMiddles(const CellFace& face) {
+bool hasAllMiddles(const DrawnCellFace& face) {
   return std::all_of(face.middles.begin(), face.middles.end(), [](int m) { return m >= 0; });
 }
 
@@ -107,7 +107,7 @@ struct FaceKey {
 };
 static_assert(sizeof(FaceKey) == kBytesPerFace);
 
-FaceKey keyOf(const CellFace& face, std::span<const vtkIdType> cell, OuterFace of) {
+FaceKey keyOf(const DrawnCellFace& face, std::span<const vtkIdType> cell, OuterFace of) {
   std::vector<uint32_t> ids;
   for (int corner : face.corners) ids.push_back(uint32_t(cell[size_t(corner)]));
   std::sort(ids.begin(), ids.end());
@@ -146,20 +146,20 @@ std::vector<OuterFace> sidesOf(vtkStructuredGrid* grid) {
 
 }  // namespace
 
-const CellShape* shapeOf(int vtkType) {
-  static const std::map<int, CellShape> shapes = allShapes();
+const DrawnCellShape* shapeOf(int vtkType) {
+  static const std::map<int, DrawnCellShape> shapes = allShapes();
   const auto found = shapes.find(vtkType);
   return found == shapes.end() ? nullptr : &found->second;
 }
 
-size_t trianglesOf(const CellFace& face) {
+size_t trianglesOf(const DrawnCellFace& face) {
   const size_t n = face.corners.size(),
                middles = size_t(
                    std::count_if(face.middles.begin(), face.middles.end(), [](int m) { return m >= 0; }));
   return face.centre >= 0 ? 2 * n : n + middles - 2;
 }
 
-void appendFace(vtkPointSet* set, const CellFace& face, std::span<const vtkIdType> cell,
+void appendFace(vtkPointSet* set, const DrawnCellFace& face, std::span<const vtkIdType> cell,
                 std::vector<std::array<uint32_t, 3>>& triangles) {
   const auto id = [&](int point) { return uint32_t(cell[size_t(point)]); };
   const auto add = [&](int a, int b, int c) { triangles.push_back({id(a), id(b), id(c)}); };
@@ -201,7 +201,7 @@ std::vector<OuterFace> outerFaces(vtkPointSet* set, bool allThere,
   const CellList list(set);
   const auto ids = vtkSmartPointer<vtkIdList>::New();
   for (vtkIdType cell = 0; cell < list.count(); ++cell) {
-    const CellShape* shape = shapeOf(list.type(cell));
+    const DrawnCellShape* shape = shapeOf(list.type(cell));
     if (!shape || !shape->solid || !isThere(cell)) continue;
     list.points(cell, ids);
     if (ids->GetNumberOfIds() != shape->points) continue;

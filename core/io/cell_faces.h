@@ -13,7 +13,7 @@
 namespace gxy {
 
 /// A face of a cell. All members are numbers of the cell's points; -1 means that there is none.
-struct CellFace {
+struct DrawnCellFace {
   /// Corners in order around the face, where the right-hand rule gives its outer side; for each corner, the
   /// point in the middle of the edge that begins there.
   std::vector<int> corners, middles;
@@ -21,21 +21,21 @@ struct CellFace {
 };
 
 /// The faces of a type of cells. A flat cell has one face, itself.
-struct CellShape {
+struct DrawnCellShape {
   int points = 0;  ///< number of points of every cell of the type
   bool solid = false;
-  std::vector<CellFace> faces;
+  std::vector<DrawnCellFace> faces;
 };
 /// Returns null for types without faces, types whose cells have different numbers of points, and types of
 /// more than second order.
-const CellShape* shapeOf(int vtkType);
+const DrawnCellShape* shapeOf(int vtkType);
 
 /// Appends the triangles of a face of a cell with the points `cell`. They use the face's middles and
 /// centre, if it has them.
-void appendFace(vtkPointSet* set, const CellFace& face, std::span<const vtkIdType> cell,
+void appendFace(vtkPointSet* set, const DrawnCellFace& face, std::span<const vtkIdType> cell,
                 std::vector<std::array<uint32_t, 3>>& triangles);
 /// Returns the number of triangles that appendFace() appends.
-size_t trianglesOf(const CellFace& face);
+size_t trianglesOf(const DrawnCellFace& face);
 
 struct OuterFace {
   vtkIdType cell;

@@ -35,14 +35,14 @@ bool isDrawn(vtkUnsignedCharArray* pointGhosts, vtkIdType point) {
 }
 
 bool isFlat(int type) {
-  const CellShape* shape = shapeOf(type);
+  const DrawnCellShape* shape = shapeOf(type);
   return becomesTriangles(type) || (shape && !shape->solid);
 }
 
 bool isLine(int type) { return becomesLines(type) || type == VTK_QUADRATIC_EDGE; }
 
 bool isSolid(int type) {
-  const CellShape* shape = shapeOf(type);
+  const DrawnCellShape* shape = shapeOf(type);
   return shape && shape->solid;
 }
 
@@ -92,7 +92,7 @@ size_t DrawnCells::primitivesOf(vtkIdType cell, int type, Flaws& flaws) {
   list_.points(cell, ids_);
   const size_t points = size_t(ids_->GetNumberOfIds()), fewer = kind_ == GeometryKind::PathLines ? 1 : 2;
   const auto place = [&] { return "cell " + std::to_string(cell); };
-  if (const CellShape* shape = shapeOf(type)) {
+  if (const DrawnCellShape* shape = shapeOf(type)) {
     if (points == size_t(shape->points) && shape->solid) return 0;  // The constructor counts its outer faces.
     if (points == size_t(shape->points)) return trianglesOf(shape->faces[0]);
     flaws.add("a cell whose number of points is not that of its type is left out", place);
@@ -107,11 +107,11 @@ size_t DrawnCells::primitivesOf(vtkIdType cell, int type, Flaws& flaws) {
 
 void DrawnCells::addFlat(GeometryBlock& block, int type, std::vector<uint32_t>& points) const {
   const auto ids = spanOf(ids_);
-  if (const CellShape* shape = shapeOf(type)) {
+  if (const DrawnCellShape* shape = shapeOf(type)) {
     if (ids.size() == size_t(shape->points)) appendFace(set_, shape->faces[0], ids, block.triangles);
   } else {
     points.assign(ids.begin(), ids.end());
-    appendTriangles(CellType(type), points, block);
+    appendTriangles(DrawnCellType(type), points, block);
   }
 }
 

@@ -181,7 +181,7 @@ void dropGhostPoints(vtkPointSet* set, GeometryBlock& block) {
 
 /// Returns the number of triangles of a flat cell with this many points.
 uint64_t trianglesOf(int type, uint64_t points) {
-  if (const CellShape* shape = shapeOf(type)) return trianglesOf(shape->faces[0]);
+  if (const DrawnCellShape* shape = shapeOf(type)) return trianglesOf(shape->faces[0]);
   return points < 3 ? 0 : points - 2;
 }
 

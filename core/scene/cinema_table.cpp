@@ -33,12 +33,12 @@ bool isNan(std::string_view cell) {
 }
 
 /// Whether a cell may stand in a column of this type.
-bool fits(std::string_view cell, CellType column) {
-  return cellType(cell) == column || (column == CellType::Text && isNan(cell));
+bool fits(std::string_view cell, TableCellType column) {
+  return cellType(cell) == column || (column == TableCellType::Text && isNan(cell));
 }
 
 /// Says why it may not.
-std::string misfit(const std::string& column, const std::string& cell, CellType type) {
+std::string misfit(const std::string& column, const std::string& cell, TableCellType type) {
   return "column " + inQuotes(column) + ": " + inQuotes(cell) + " is " + describe(cellType(cell)) +
          ", expected " + describe(type) + " as in the first row";
 }
@@ -136,7 +136,7 @@ void checkColumns(const CsvRecord& header, std::vector<TableProblem>& problems) 
     };
     if (name.empty()) wrong("it has no name");
     if (!name.empty() && withoutBlanks(name) != name) wrong("expected no blanks around the name");
-    if (!name.empty() && cellType(name) != CellType::Text) wrong("expected a name that is no number");
+    if (!name.empty() && cellType(name) != TableCellType::Text) wrong("expected a name that is no number");
     if (!known.insert(name).second) wrong("another column has this name, expected each once");
     if (file && !isFileColumn(name)) wrong("expected the columns of files to be the last");
     file = file || isFileColumn(name);
@@ -157,24 +157,24 @@ std::string joinedCells(const std::vector<std::string>& cells, size_t count) {
 
 }  // namespace
 
-CellType cellType(std::string_view cell) {
+TableCellType cellType(std::string_view cell) {
   std::string text(withoutBlanks(cell));
   for (size_t i = 1; i + 1 < text.size(); i++)  // 1_000 is a number to some readers
     if (text[i] == '_' && isDigit(text[i - 1]) && isDigit(text[i + 1])) text.erase(i, 1);
   const size_t sign = !text.empty() && (text[0] == '+' || text[0] == '-') ? 1 : 0;
   if (text.size() > sign && std::all_of(text.begin() + std::ptrdiff_t(sign), text.end(), isDigit))
-    return CellType::Integer;
+    return TableCellType::Integer;
   // strtod() reads more than others do: 0x1p3, nan(...).
-  if (text.empty() || text.find_first_of("xX(") != std::string::npos) return CellType::Text;
+  if (text.empty() || text.find_first_of("xX(") != std::string::npos) return TableCellType::Text;
   char* end = nullptr;
   std::strtod(text.c_str(), &end);
-  return end == text.c_str() + text.size() ? CellType::Float : CellType::Text;
+  return end == text.c_str() + text.size() ? TableCellType::Float : TableCellType::Text;
 }
 
-const char* describe(CellType type) {
-  return type == CellType::Integer ? "an integer"
-         : type == CellType::Float ? "a number with a point"
-                                   : "a text";
+const char* describe(TableCellType type) {
+  return type == TableCellType::Integer ? "an integer"
+         : type == TableCellType::Float ? "a number with a point"
+                                        : "a text";
 }
 
 std::string floatCell(double x) {
@@ -205,7 +205,7 @@ std::vector<TableProblem> problemsOfTable(const std::vector<CsvRecord>& records)
     }
     for (size_t c = 0; c < parameters; c++) {
       if (c >= records[1].cells.size()) break;
-      const CellType type = cellType(records[1].cells[c]);
+      const TableCellType type = cellType(records[1].cells[c]);
       if (!fits(row.cells[c], type)) problems.push_back({row.line, misfit(columns[c], row.cells[c], type)});
     }
     const auto [at, added] = lines.emplace(joinedCells(row.cells, parameters), row.line);
@@ -250,7 +250,7 @@ void CinemaTable::put(Row row) {
 
 void CinemaTable::expectFits(const Row& parameters, const std::string& sourceName) const {
   for (size_t c = 0; c < parameters_ && !rows_.empty(); c++)
-    if (const CellType type = cellType(rows_[0][c]); !fits(parameters.at(c), type))
+    if (const TableCellType type = cellType(rows_[0][c]); !fits(parameters.at(c), type))
       throw Error(sourceName + ": " + misfit(columns_[c], parameters.at(c), type));
 }
 

@@ -12,10 +12,10 @@
 namespace gxy {
 
 /// The types that readers of Cinema databases tell apart by the text of a cell.
-enum class CellType : uint8_t { Integer, Float, Text };
-CellType cellType(std::string_view cell);
+enum class TableCellType : uint8_t { Integer, Float, Text };
+TableCellType cellType(std::string_view cell);
 /// In words: "an integer", "a number with a point", "a text".
-const char* describe(CellType type);
+const char* describe(TableCellType type);
 
 /// Returns a number as it stands in a table: the fewest digits that read back as the same double, always with a point, so that
 /// readers take its column for one of floats whatever its first value is. `x` is finite.

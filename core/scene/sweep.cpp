@@ -63,8 +63,8 @@ SweepValue numberValue(double x, TextPosition at) {
 /// A text that readers of the table take for one.
 void checkText(const Found& item, const std::string& text) {
   constexpr size_t kLongest = 64;
-  if (text.empty() || text.size() > kLongest || cellType(text) != CellType::Text || text.front() == ' ' ||
-      text.back() == ' ' ||
+  if (text.empty() || text.size() > kLongest || cellType(text) != TableCellType::Text ||
+      text.front() == ' ' || text.back() == ' ' ||
       std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
     item.fail("a text of 1 to 64 bytes that is no number, without blanks around it");
 }
@@ -194,10 +194,10 @@ void labelValues(const ReadContext& context, SweepAxis& axis) {
       context.fail(value.at,
                    "`values`: expected `labels` for values other than numbers, texts, true and false");
     const std::string& cell = value.cells[0];
-    const CellType type = cellType(cell);
+    const TableCellType type = cellType(cell);
     if (axis.kind == AxisKind::Key && axis.labels.empty() &&
         (type != cellType(axis.values[0].cells[0]) || cell.empty() || cell.size() > 64 ||
-         type == CellType::Integer))
+         type == TableCellType::Integer))
       context.fail(value.at,
                    "`values`: expected numbers only, or texts only of 1 to 64 bytes that are no "
                    "numbers, or `labels`");
@@ -221,7 +221,7 @@ void finish(ReadContext& context, SweepAxis& axis) {
   else
     axis.columns = {axis.kind == AxisKind::Key ? lastPartOf(axis.path) : kAxes[unsigned(axis.kind)]};
   const std::string& column = axis.columns[0];
-  if (cellType(column) != CellType::Text || column.empty() || isFileColumn(column))
+  if (cellType(column) != TableCellType::Text || column.empty() || isFileColumn(column))
     context.fail(axis.at,
                  "axis: expected a `name` for its column, as " + inQuotes(column) + " cannot be one");
 }

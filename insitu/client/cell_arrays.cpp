@@ -68,7 +68,7 @@ void CellArrays::describe(const std::string& what) {
   if (hasOffsets && !isInteger(offsets, false))
     throw Error(what + ", offsets: " + found(offsets) +
                 ", expected one integer of 32 or 64 bits, or 0 components for none");
-  if (!hasOffsets && count > 0 && (allOf == 0 || pointsOfEach(CellType(allOf)) == 0))
+  if (!hasOffsets && count > 0 && (allOf == 0 || pointsOfEach(DrawnCellType(allOf)) == 0))
     throw Error(
         what +
         ", offsets: there are none, expected cells + 1 of them unless all cells are said to be lines (3), "
@@ -78,7 +78,7 @@ void CellArrays::describe(const std::string& what) {
   if (!isInteger(connectivity, false))
     throw Error(what + ", connectivity: " + found(connectivity) +
                 ", expected one integer of 32 or 64 bits for each point of each cell");
-  if (!hasOffsets && count > 0 && count * pointsOfEach(CellType(allOf)) > kMostParticles)
+  if (!hasOffsets && count > 0 && count * pointsOfEach(DrawnCellType(allOf)) > kMostParticles)
     throw Error(what +
                 ": the cells of this rank have more than 2^32 - 2 points together, expected at most as many");
   checkIntegers(what + ", connectivity", connectivity, count > 0 ? 2 : 0,
@@ -92,7 +92,7 @@ Mesh::Shape CellArrays::shape() const {
 
 uint64_t CellArrays::corners() const {
   if (count == 0) return 0;
-  if (offsets.components == 0) return count * pointsOfEach(CellType(allOf));
+  if (offsets.components == 0) return count * pointsOfEach(DrawnCellType(allOf));
   int64_t begin = 0, end = 0;
   bool isRight = true;
   eachInteger(offsets, 0, count + 1, [&](uint64_t i, int64_t offset) {
@@ -117,7 +117,7 @@ void CellArrays::copyTypes(std::byte* to) const {
 void CellArrays::copyEnds(std::byte* to) const {
   if (count == 0) return;
   if (offsets.components == 0) {
-    const size_t each = pointsOfEach(CellType(allOf));
+    const size_t each = pointsOfEach(DrawnCellType(allOf));
     for (uint64_t c = 0; c < count; c++) put(to, c, uint32_t((c + 1) * each));
     return;
   }

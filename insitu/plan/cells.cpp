@@ -75,7 +75,7 @@ Mesh::Shape check(const Cells& cells, Mesh::Shape shape, const std::string& what
     if (end > cells.connectivity.size())
       throw Error(at(c) + ": it ends at " + std::to_string(end) + " of " +
                   std::to_string(cells.connectivity.size()) + " numbers of points, expected all in cells");
-    const size_t count = end - begin, expected = pointsOfEach(CellType(type));
+    const size_t count = end - begin, expected = pointsOfEach(DrawnCellType(type));
     if (expected > 0 && count != expected)
       throw Error(at(c) + ": " + std::to_string(count) + " points, expected " + std::to_string(expected) +
                   " for type " + std::to_string(type));
@@ -99,7 +99,7 @@ Mesh::Shape check(const Cells& cells, Mesh::Shape shape, const std::string& what
 uint64_t primitivesOf(const Cells& cells) {
   uint64_t count = 0;
   for (size_t c = 0; c < cells.count(); c++)
-    count += gxy::primitivesOf(CellType(cells.types[c]), cells.corners(c).size());
+    count += gxy::primitivesOf(DrawnCellType(cells.types[c]), cells.corners(c).size());
   return count;
 }
 

@@ -85,7 +85,7 @@ CellsRoom::Made CellsRoom::make(const std::map<int, uint64_t>& firstIds) const {
       if (kind_ == GeometryKind::PathLines)
         appendLine(corners, block);
       else if (corners.size() > 2)
-        appendTriangles(CellType(cells.types[c]), corners, block);
+        appendTriangles(DrawnCellType(cells.types[c]), corners, block);
       if (hasCellFields)
         made.cells.resize(kind_ == GeometryKind::PathLines ? block.segments.size() : block.triangles.size(),
                           cell);

@@ -75,7 +75,7 @@ void show(std::span<const std::byte> bytes) {
     if (shape == Mesh::Shape::Lines)
       appendLine(cells.corners(c), block);
     else if (cells.corners(c).size() > 2)
-      appendTriangles(CellType(types[c]), cells.corners(c), block);
+      appendTriangles(DrawnCellType(types[c]), cells.corners(c), block);
   const GeometryKind kind = shape == Mesh::Shape::Lines ? GeometryKind::PathLines : GeometryKind::Triangles;
   block.ids.resize(insitu::primitivesOf(cells));
   validate(block, kind);

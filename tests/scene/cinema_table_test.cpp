@@ -17,11 +17,11 @@ namespace {
 
 TEST(CinemaTable, TypesAreThoseThatReadersSee) {
   for (const char* integer : {"0", "-12", "+3", " 7 ", "1_000"})
-    EXPECT_EQ(cellType(integer), CellType::Integer) << integer;
+    EXPECT_EQ(cellType(integer), TableCellType::Integer) << integer;
   for (const char* number : {"0.0", "-1e5", "1.", "inf", "NaN", "-Infinity"})
-    EXPECT_EQ(cellType(number), CellType::Float) << number;
+    EXPECT_EQ(cellType(number), TableCellType::Float) << number;
   for (const char* text : {"", "a", "0x1p3", "1,5", "1.0 m", "nan(1)", "-", "1__0"})
-    EXPECT_EQ(cellType(text), CellType::Text) << text;
+    EXPECT_EQ(cellType(text), TableCellType::Text) << text;
 }
 
 TEST(CinemaTable, FloatsAlwaysHaveAPoint) {
