@@ -96,7 +96,7 @@ class SamplingRanks {
       if (found == geometry.end())
         s.scene.data.push_back({{parts[c.shown[i]][size_t(rank)], nullptr}, {}});
       else
-        s.scene.data.push_back({{nullptr, found->second[size_t(rank)]}, {}});
+        s.scene.data.push_back({{nullptr, nullptr, found->second[size_t(rank)]}, {}});
     }
     for (const auto& [v, component] : c.fields) s.fields.push_back({parts[v][size_t(rank)], component});
     s.recorded = c.recorded;
