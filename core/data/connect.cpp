@@ -135,7 +135,10 @@ Connectivity connect(const MeshCells& cells, uint64_t points) {
         neighbour(other.id) = one.id;
         found.sameSide += one.otherAndWay == other.otherAndWay;
       } else {
-        found.crowded += end - from > 2;
+        if (end - from > 2) {
+          found.crowded++;
+          found.crowdedAt.push_back(uint32_t(p));
+        }
         for (; from < end; from++) found.shell.push_back(entries[from].id);
       }
       from = end;

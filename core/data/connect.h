@@ -18,7 +18,8 @@ struct Connectivity {
   std::vector<FaceId> shell;
 
   // Defects of the mesh.
-  uint64_t crowded = 0;  ///< faces of three or more cells; these are on the shell
+  uint64_t crowded = 0;             ///< faces of three or more cells; these are on the shell
+  std::vector<uint32_t> crowdedAt;  ///< the lowest point of each of them, ascending
   /// Pairs of faces that run the same way around: one of their cells is inverted, or they overlap.
   uint64_t sameSide = 0;
   uint64_t repeated = 0;  ///< cells with a point twice

@@ -4,7 +4,12 @@
 //   1. Every rank reads a part of the cells, each cell on one rank only.
 //   2. Every rank calls packForOwners(), which makes one message for each rank. The ranks exchange them all-to-all.
 //   3. Every rank calls unpackMesh(), which makes the blocks of its partitions.
+//   4. If there are points that the files give several values, every rank calls packSettledValues(), the ranks exchange these messages
+//      all-to-all, and every rank calls takeSettledValues().
+//
+// distribute() does all but the first.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <map>
@@ -12,6 +17,7 @@
 #include <vector>
 
 #include "core/comm/advance.h"
+#include "core/comm/collectives.h"
 #include "core/comm/transport.h"
 #include "core/data/mesh.h"
 #include "core/data/partitioning.h"
@@ -22,30 +28,37 @@ namespace gxy {
 struct MeshPiece {
   std::vector<glm::dvec3> points;
   std::vector<float> values;  ///< stored values, the components of a point together
-  std::vector<uint64_t>
-      numbers;  ///< of points, in the order of the files; each point of the mesh has another one
+  /// Of points, in the order of the files. Each point of the mesh has another one, on whichever ranks it is.
+  std::vector<uint64_t> numbers;
   int components = 1;
   MeshCells cells;
 };
 
-/// What making blocks has counted. Each cell and point is counted in one partition, so that sums over all ranks are those of the whole
-/// mesh.
+/// Throws Error unless a piece has a value and a number for each point, whole cells of existing points, and finite coordinates.
+void validate(const MeshPiece& piece);
+
+/// What making blocks has counted. Each cell and point is counted in one partition, the one that is nearest to it, so that sums over all
+/// ranks are those of the whole mesh.
 struct MeshBlockCounts {
   std::array<uint64_t, kCellTypes> cells{};
   uint64_t points = 0, repeatedCells = 0, degenerateCells = 0, mergedPoints = 0, differingPoints = 0,
-           crowdedFaces = 0;
+           crowdedFaces = 0, noDataPoints = 0;
+  /// By partition: those of its points that are counted there and have several values in the files. Only their partition is sure to
+  /// know the right one.
+  std::map<int, std::vector<uint32_t>> differing;
 };
 
 /// Makes a block of cells that all touch one partition. Points at exactly the same place become one, with the values of the one with
 /// the lowest number in the files. Points are numbered along Morton's curve through the domain of the partitioning, and then by x, y
 /// and z; cells by their points, the lowest first. So the order depends on nothing but the places of points. Cells with the same points
-/// as another one and cells with a point twice are left out. Throws Error if there are too many points or cells.
+/// as another one and cells with a point twice are left out, and points that no cell has. Throws Error for a piece that is not valid,
+/// and if there are too many points or cells. Takes time and memory that grow as the mesh does.
 MeshBlock meshBlock(
     MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts,
     const Advance& advance = [](double) {});
 
 /// Returns one message for each rank, including this one, with the cells of `read` that touch the rank's partitions, or come as near
-/// as borderSlack(). Coordinates must be finite.
+/// as borderSlack(). Throws Error for a piece that is not valid, or if a partition's owner is not below `ranks`.
 std::vector<Bytes> packForOwners(
     const MeshPiece& read, const Partitioning& partitioning, int ranks,
     const Advance& advance = [](double) {});
@@ -55,5 +68,20 @@ std::vector<Bytes> packForOwners(
 std::map<int, MeshBlock> unpackMesh(
     const Partitioning& partitioning, int rank, std::span<const Bytes> received, MeshBlockCounts& counts,
     const Advance& advance = [](double) {});
+
+/// A partition may have a point of a cell that only reaches into it, and not all cells with this point. If the files give the point
+/// several values, it may then have another one than elsewhere. Returns one message for each rank with the points of
+/// counts.differing, as they are in `blocks`, that cells have which touch partitions of the rank.
+std::vector<Bytes> packSettledValues(const std::map<int, MeshBlock>& blocks, const MeshBlockCounts& counts,
+                                     const Partitioning& partitioning, int ranks);
+/// Takes the values in such messages of all ranks over into the blocks. Throws Error for a malformed message.
+void takeSettledValues(std::map<int, MeshBlock>& blocks, const Partitioning& partitioning,
+                       std::span<const Bytes> received);
+
+/// Collective. Returns the blocks of all partitions of this rank to which cells belong, of the cells that all ranks have read. `counts`
+/// is of the whole mesh on every rank, but for `differing`. Tells ranks.done() how far it is. If any rank fails, all throw the same
+/// Error.
+std::map<int, MeshBlock> distribute(MeshPiece read, const Partitioning& partitioning, MeshBlockCounts& counts,
+                                    Collectives& ranks);
 
 }  // namespace gxy

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/data/mesh_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/comm/error.h"
+#include "core/comm/parallel_for.h"
+#include "core/data/connect.h"
+#include "core/data/morton.h"
+
+namespace gxy {
+
+namespace {
+
+bool isFinite(const glm::dvec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+void checkSizes(const MeshPiece& piece) {
+  if (piece.points.size() >= kMostMeshPoints)
+    throw Error("a mesh of " + std::to_string(piece.points.size()) + " points, expected fewer than 2^31");
+  if (piece.cells.size() >= kMostMeshCells)
+    throw Error("a mesh of " + std::to_string(piece.cells.size()) + " cells, expected fewer than 2^29");
+  if (piece.components < 1 || piece.values.size() != piece.points.size() * size_t(piece.components) ||
+      piece.numbers.size() != piece.points.size())
+    throw Error("a mesh of " + std::to_string(piece.points.size()) + " points has " +
+                std::to_string(piece.values.size()) + " values of " + std::to_string(piece.components) +
+                " components and " + std::to_string(piece.numbers.size()) +
+                " numbers, expected those of each point");
+}
+
+bool isNoData(const float* values, int components) {
+  return std::any_of(values, values + components, [](float v) { return !std::isfinite(v); });
+}
+
+/// Whether two points have the same values; NaN is NaN.
+bool areSame(const float* a, const float* b, int components) {
+  for (int c = 0; c < components; c++)
+    if (a[c] != b[c] && !(std::isnan(a[c]) && std::isnan(b[c]))) return false;
+  return true;
+}
+
+template <size_t N>
+using CellPoints = std::array<uint32_t, N>;
+
+template <size_t N>
+CellPoints<N> ascending(CellPoints<N> cell) {
+  for (size_t i = 1; i < N; i++)
+    for (size_t k = i; k > 0 && cell[k] < cell[k - 1]; k--) std::swap(cell[k], cell[k - 1]);
+  return cell;
+}
+
+class BlockMaker {
+ public:
+  BlockMaker(MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts)
+      : piece_(std::move(piece)), partitioning_(partitioning), partition_(partition), counts_(counts) {}
+
+  MeshBlock make(const Advance& advance) {
+    placePoints(partOf(advance, 0, 4));
+    orderCells<4>(CellType::Tetrahedron, partOf(advance, 1, 4));
+    orderCells<5>(CellType::Pyramid, advance);
+    orderCells<6>(CellType::Wedge, advance);
+    orderCells<8>(CellType::Hexahedron, advance);
+    if (dropped_) dropUnusedPoints();
+    countPoints();
+    advance(0.5);
+    Connectivity found = connect(block_.cells, block_.points.size());
+    block_.neighbours = std::move(found.neighbours);
+    block_.shell = std::move(found.shell);
+    for (const uint32_t point : found.crowdedAt) counts_.crowdedFaces += isHere_[point];
+    advance(1);
+    return std::move(block_);
+  }
+
+ private:
+  struct Place {
+    uint64_t along;
+    uint32_t point;
+    bool operator<(const Place& o) const { return along < o.along; }
+  };
+
+  /// Makes one point of all at one place, in the order of the block; numberOf_ says which one each point of the piece becomes.
+  void placePoints(const Advance& advance) {
+    const std::vector<Place> places = orderedPlaces(advance);
+    numberOf_.resize(piece_.points.size());
+    const size_t components = size_t(piece_.components);
+    block_.points.reserve(places.size());
+    block_.values.reserve(places.size() * components);
+    isHere_.reserve(places.size());
+    uint64_t lastNumber = 0;  // several ranks may have read a point
+    for (const auto& [along, point] : places) {
+      const glm::dvec3& p = piece_.points[point];
+      const float* values = piece_.values.data() + point * components;
+      if (block_.points.empty() || block_.points.back() != p) {
+        block_.points.push_back(p);
+        block_.values.insert(block_.values.end(), values, values + components);
+        isHere_.push_back(partitioning_.partitions() == 1 || partitioning_.nearest(p) == partition_);
+      } else if (isHere_.back() && piece_.numbers[point] != lastNumber) {
+        counts_.mergedPoints++;
+        if (!areSame(values, block_.values.data() + block_.values.size() - components, piece_.components)) {
+          counts_.differingPoints++;
+          const auto number = uint32_t(block_.points.size() - 1);
+          if (differing_.empty() || differing_.back() != number) differing_.push_back(number);
+        }
+      }
+      numberOf_[point] = uint32_t(block_.points.size() - 1);
+      lastNumber = piece_.numbers[point];
+    }
+    piece_.points = {};
+    piece_.values = {};
+    piece_.numbers = {};
+  }
+
+  /// The points that cells have, along the curve, those at one place by their numbers in the files.
+  std::vector<Place> orderedPlaces(const Advance& advance) {
+    std::vector<uint8_t> used(piece_.points.size(), 0);
+    for (const auto& cells : piece_.cells.points)
+      for (const uint32_t point : cells) used[point] = 1;
+    std::vector<Place> places;
+    places.reserve(piece_.points.size());
+    for (uint32_t i = 0; i < piece_.points.size(); i++)
+      if (used[i]) places.push_back({0, i});
+    const MortonCurve curve(partitioning_.domain());
+    parallelFor(
+        size_t(0), places.size(),
+        [&](size_t i) {
+          glm::dvec3& p = piece_.points[places[i].point];
+          p += glm::dvec3(0);  // -0 becomes 0, so that equal places are the same bits
+          places[i].along = curve(p);
+        },
+        advance);
+    parallelSort(places.begin(), places.end());
+    for (auto from = places.begin(); from != places.end();) {
+      const auto to =
+          std::find_if(from + 1, places.end(), [&](const Place& p) { return p.along != from->along; });
+      if (to - from > 1) std::sort(from, to, [&](const Place& a, const Place& b) { return isBefore(a, b); });
+      from = to;
+    }
+    return places;
+  }
+
+  bool isBefore(const Place& a, const Place& b) const {
+    const glm::dvec3 &p = piece_.points[a.point], &q = piece_.points[b.point];
+    for (int k = 0; k < 3; k++)
+      if (p[k] != q[k]) return p[k] < q[k];
+    return piece_.numbers[a.point] < piece_.numbers[b.point];
+  }
+
+  /// Sorts the cells of a type by their points. Only the few with the same lowest point are compared.
+  template <size_t N>
+  void orderCells(CellType type, const Advance& advance) {
+    std::vector<uint32_t>& read = piece_.cells.points[size_t(type)];
+    std::vector<uint32_t>& made = block_.cells.points[size_t(type)];
+    if (read.empty()) return;
+    std::vector<size_t> end(block_.points.size() + 1, 0);
+    size_t kept = 0;
+    for (size_t at = 0, n = read.size(); at < n; at += N) {
+      tell(advance, at / N, n / N);
+      CellPoints<N> cell;
+      for (size_t i = 0; i < N; i++) cell[i] = numberOf_[read[at + i]];
+      const CellPoints<N> sorted = ascending(cell);
+      if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
+        counts_.degenerateCells += isHere_[sorted[0]];
+        dropped_ = true;
+        continue;
+      }
+      if (type == CellType::Tetrahedron) cell = sorted;
+      std::copy(cell.begin(), cell.end(), read.begin() + std::ptrdiff_t(kept));
+      kept += N;
+      end[sorted[0] + 1]++;
+    }
+    for (size_t p = 1; p < end.size(); p++) end[p] += end[p - 1];
+    std::vector<CellPoints<N>> cells(kept / N);
+    for (size_t at = 0; at < kept; at += N) {
+      CellPoints<N> cell;
+      std::copy_n(read.begin() + std::ptrdiff_t(at), N, cell.begin());
+      cells[end[*std::min_element(cell.begin(), cell.end())]++] = cell;
+    }
+    read = {};
+    sortAmongSameLowest(cells, end, advance);
+    made.reserve(kept);
+    CellPoints<N> last{};
+    for (const CellPoints<N>& cell : cells) {
+      const CellPoints<N> sorted = ascending(cell);
+      if (!made.empty() && sorted == last) {
+        counts_.repeatedCells += isHere_[sorted[0]];
+        continue;
+      }
+      counts_.cells[size_t(type)] += isHere_[sorted[0]];
+      made.insert(made.end(), cell.begin(), cell.end());
+      last = sorted;
+    }
+  }
+
+  /// end[p]: the end of the cells whose lowest point is p.
+  template <size_t N>
+  static void sortAmongSameLowest(std::vector<CellPoints<N>>& cells, const std::vector<size_t>& end,
+                                  const Advance& advance) {
+    const auto sortCellsOf = [&](size_t p) {
+      const auto from = cells.begin() + std::ptrdiff_t(p == 0 ? 0 : end[p - 1]);
+      const auto to = cells.begin() + std::ptrdiff_t(end[p]);
+      std::sort(from, to, [](const CellPoints<N>& a, const CellPoints<N>& b) {
+        if constexpr (N == 4) return a < b;
+        const CellPoints<N> x = ascending(a), y = ascending(b);
+        return x != y ? x < y : a < b;
+      });
+    };
+    if (!cells.empty()) parallelFor(size_t(0), end.size() - 1, sortCellsOf, advance);
+  }
+
+  void dropUnusedPoints() {
+    std::vector<uint32_t> numbers(block_.points.size(), 0);
+    for (const auto& cells : block_.cells.points)
+      for (const uint32_t point : cells) numbers[point] = 1;
+    const size_t components = size_t(piece_.components);
+    uint32_t kept = 0;
+    std::vector<uint32_t> differing;
+    auto next = differing_.begin();
+    for (size_t p = 0; p < numbers.size(); p++) {
+      const bool differs = next != differing_.end() && *next == p;
+      if (differs) ++next;
+      if (numbers[p] == 0) continue;
+      if (differs) differing.push_back(kept);
+      block_.points[kept] = block_.points[p];
+      std::copy_n(block_.values.begin() + std::ptrdiff_t(p * components), components,
+                  block_.values.begin() + std::ptrdiff_t(kept * components));
+      isHere_[kept] = isHere_[p];
+      numbers[p] = kept++;
+    }
+    block_.points.resize(kept);
+    block_.values.resize(kept * components);
+    isHere_.resize(kept);
+    differing_ = std::move(differing);
+    for (auto& cells : block_.cells.points)
+      for (uint32_t& point : cells) point = numbers[point];
+  }
+
+  void countPoints() {
+    for (size_t p = 0; p < block_.points.size(); p++) {
+      if (!isHere_[p]) continue;
+      counts_.points++;
+      const size_t components = size_t(piece_.components);
+      counts_.noDataPoints += isNoData(block_.values.data() + p * components, piece_.components);
+    }
+    if (!differing_.empty()) counts_.differing[partition_] = std::move(differing_);
+  }
+
+  MeshPiece piece_;
+  const Partitioning& partitioning_;
+  const int partition_;
+  MeshBlockCounts& counts_;
+  MeshBlock block_;
+  std::vector<uint32_t> numberOf_;   // by point of the piece: its number in the block
+  std::vector<uint8_t> isHere_;      // by point of the block: whether it is counted in this partition
+  std::vector<uint32_t> differing_;  // ascending
+  bool dropped_ = false;             // a cell, which may have been the only one with its points
+};
+
+}  // namespace
+
+void validate(const MeshPiece& piece) {
+  checkSizes(piece);
+  if (!std::all_of(piece.points.begin(), piece.points.end(), isFinite))
+    throw Error("a mesh has a point whose coordinates are not finite");
+  for (const CellType type : kAllCellTypes) {
+    const std::vector<uint32_t>& cells = piece.cells.points[size_t(type)];
+    if (cells.size() % shapeOf(type).points != 0)
+      throw Error("a mesh has cells of " + std::to_string(shapeOf(type).points) + " points each with " +
+                  std::to_string(cells.size()) + " points in all");
+    for (const uint32_t point : cells)
+      if (point >= piece.points.size())
+        throw Error("a cell has point " + std::to_string(point) + " of a mesh of " +
+                    std::to_string(piece.points.size()) + " points (counted from 0)");
+  }
+}
+
+MeshBlock meshBlock(MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts,
+                    const Advance& advance) {
+  validate(piece);
+  return BlockMaker(std::move(piece), partitioning, partition, counts).make(advance);
+}
+
+}  // namespace gxy
