@@ -12,6 +12,7 @@
 
 #include "core/comm/advance.h"
 #include "core/data/geometry.h"
+#include "core/data/mesh.h"
 #include "core/data/partitioning.h"
 #include "core/data/volume.h"
 #include "core/rays/compiled_map.h"
@@ -30,9 +31,10 @@ struct RenderSpace {
 RenderSpace renderSpaceOf(const Partitioning& partitioning);
 
 /// The dataset of an operator: a volume, or geometry whose blocks are complete (replicated,
-/// data/replicate.h).
+/// data/replicate.h). One of the three is set.
 struct OperatorData {
   std::shared_ptr<const Volume> volume;
+  std::shared_ptr<const Mesh> mesh;  ///< an unstructured volume
   std::shared_ptr<const Geometry> geometry;
   glm::dvec3 color{0.8};  ///< colour of geometry without values
 };

@@ -67,6 +67,15 @@ void addVolume(Hash& hash, const Volume& volume) {
   }
 }
 
+void addMesh(Hash& hash, const Mesh& mesh) {
+  hash.add(&mesh.components, sizeof mesh.components);
+  hash.add(&mesh.shift, sizeof mesh.shift), hash.add(&mesh.scale, sizeof mesh.scale);
+  for (const auto& [p, block] : mesh.blocks) {
+    hash.add(block.points), hash.add(block.values);
+    for (const auto& cells : block.cells.points) hash.add(cells);
+  }
+}
+
 void addGeometry(Hash& hash, const Geometry& geometry) {
   hash.add(&geometry.kind, sizeof geometry.kind);
   for (const auto& [p, block] : geometry.blocks) {
@@ -85,6 +94,7 @@ std::string contentOf(State state, const LoadedState& loaded) {
   hash.add(writeState(state));
   for (const OperatorData& data : loaded.data.at(0)) {
     if (data.volume) addVolume(hash, *data.volume);
+    if (data.mesh) addMesh(hash, *data.mesh);
     if (data.geometry) addGeometry(hash, *data.geometry);
   }
   return hash.text();
@@ -181,10 +191,12 @@ Truth render(const State& state, const LoadedState& loaded, const Progress& prog
 }
 
 double smallestCell(const LoadedState& loaded) {
-  for (const OperatorData& data : loaded.data.at(0))
+  for (const OperatorData& data : loaded.data.at(0)) {
     if (data.volume)
       return std::min(
           {data.volume->grid.spacing.x, data.volume->grid.spacing.y, data.volume->grid.spacing.z});
+    if (data.mesh) return typicalLength(*data.mesh);
+  }
   return 0;
 }
 
