@@ -69,7 +69,7 @@ void main() {
       uvec4 children = geometryQuad(at + 24u), found;
       vec4 t;
 #define VISIT(k, behind)                                                                      \
-  t.k = entryOf(vec3(loX.k, loY.k, loZ.k), vec3(hiX.k, hiY.k, hiZ.k), o, rd, nearest);        \
+  t.k = entryOf(vec3(loX.k, loY.k, loZ.k), vec3(hiX.k, hiY.k, hiZ.k), o, rd, 0.0, nearest);   \
   if (children.k == NODE_NONE || !mayHoldOfSlice(children.k, behind, child, begin, end)) \
     t.k = infinity();                                                                         \
   found.k = t.k < infinity() ? children.k : NODE_NONE;
@@ -77,22 +77,7 @@ void main() {
       VISIT(y, children.zww)
       VISIT(z, children.www)
       VISIT(w, uvec3(NODE_NONE))
-      // the nearest first
-#define SORT(a, b)                                                                      \
-  {                                                                                     \
-    bool turn = t.b < t.a;                                                              \
-    vec2 u = turn ? vec2(t.b, t.a) : vec2(t.a, t.b);                                    \
-    uvec2 v = turn ? uvec2(found.b, found.a) : uvec2(found.a, found.b);                 \
-    t.a = u.x;                                                                          \
-    t.b = u.y;                                                                          \
-    found.a = v.x;                                                                      \
-    found.b = v.y;                                                                      \
-  }
-      SORT(x, y)
-      SORT(z, w)
-      SORT(x, z)
-      SORT(y, w)
-      SORT(y, z)
+      sortByEntry(t, found);
       if (found.w != NODE_NONE) stack[depth++] = found.w;
       if (found.z != NODE_NONE) stack[depth++] = found.z;
       if (found.y != NODE_NONE) stack[depth++] = found.y;

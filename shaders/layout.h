@@ -119,7 +119,9 @@
 #define COUNT_SEGMENTS_SKIPPED 20
 #define COUNT_NODES 21  // with SURFACE_COUNTS: nodes that rays came to, and primitives of their leaves
 #define COUNT_PRIMITIVES 22
-#define COUNT_WORDS 23
+#define COUNT_MESH_CELLS 23
+#define COUNT_MESH_WALKS 24
+#define COUNT_WORDS 25
 
 // Push constants. The names are those of the words in the stages that read them.
 #define PUSH_RAYS 0       // number of rays in the list; ~k: it is counts[k]

@@ -77,6 +77,11 @@ vec3 ownColorOf(OPERATOR op, uint i) {
 }
 uint cornerOf(OPERATOR op, uint i) { return geometryWord(op.indices + i); }
 uint neighbourOf(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); }
+// The offsets of a mesh's arrays are multiples of 4.
+vec4 vertexOf(OPERATOR op, uint i) { return uintBitsToFloat(geometryQuad(op.points + 4u * i)); }
+uint cellCorner(OPERATOR op, uint i) { return geometryWord(op.indices + i); }
+uint cellNeighbour(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); }
+uint shellFace(OPERATOR op, uint i) { return geometryWord(op.shell + i); }
 vec3 sliceNormal(OPERATOR op, uint i) {
   uint k = op.slice + 4u * i;
   return vec3(tableReal(k), tableReal(k + 1u), tableReal(k + 2u));

@@ -18,14 +18,13 @@
 
 namespace gxy::embree {
 
-/// Appends the boxes (primitiveBounds) of a part's primitives, of `corners` corners each, to `all` as
-/// geometry `id`. Runs on all cores.
-inline void addPrimitives(std::vector<RTCBuildPrimitive>& all, unsigned id, int corners,
+/// Appends the boxes (primitiveBounds) of the primitives of a part of this kind (KIND_*) to `all` as geometry `id`. Runs on all cores.
+inline void addPrimitives(std::vector<RTCBuildPrimitive>& all, unsigned id, int kind,
                           const GeometryInPartition& part) {
   const size_t first = all.size();
   all.resize(first + part.primitives);
   parallelFor(size_t(0), size_t(part.primitives), [&](size_t i) {
-    const PrimitiveBounds b = primitiveBounds(corners, part.points.data(), part.indices.data(), i);
+    const PrimitiveBounds b = primitiveBounds(kind, part, i);
     all[first + i] = {b.lo[0], b.lo[1], b.lo[2], id, b.hi[0], b.hi[1], b.hi[2], unsigned(i)};
   });
 }

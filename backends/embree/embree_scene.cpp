@@ -13,6 +13,7 @@
 #include "fields_ispc.h"
 #include "geometry_ispc.h"
 #include "integrate_ispc.h"
+#include "integrate_mesh_ispc.h"
 #include "integrate_volumes_ispc.h"
 #include "shade_ispc.h"
 #include "spawn_ispc.h"
@@ -98,7 +99,6 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
       if (!mine || !mine->geometry) continue;
       fillPrimitives(part.operators[i], *mine->geometry, pointers);
       part.trees.resize(operators.size());
-      part.treeViews.resize(operators.size());
       const Advance building = partOf(advance, k * operators.size() + i, owned.size() * operators.size());
       part.trees[i] = shared_->trees.get(
           mine->geometry.get(),
@@ -106,7 +106,15 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
             return buildGeometryTree(part.operators[i].kind, *mine->geometry, ispc::gangWidth(), building);
           },
           [&] { building(0); });
-      part.treeViews[i] = {part.trees[i]->nodes.data(), part.trees[i]->leaves.data()};
+      const GeometryTreeView view{part.trees[i]->nodes.data(), part.trees[i]->leaves.data()};
+      if (op.data.mesh) {
+        part.shellViews.resize(operators.size());
+        part.shellViews[i] = view;
+        part.operators[i].shellHierarchy = &part.shellViews[i];
+      } else {
+        part.treeViews.resize(operators.size());
+        part.treeViews[i] = view;
+      }
     }
     part.view.operators = int(operators.size());
     part.view.operator_ = part.operators.data();
@@ -208,7 +216,7 @@ class EmbreeScene::Packet {
     const int n = rays.size();
     TraceCounters& c = result_.counters;
     ispc::boundRays(&part_.view, &view, n);
-    if (!part_.trees.empty()) {
+    if (!part_.treeViews.empty()) {
       Stopwatch time(c.nsGeometry);
       c.runs(Kernel::Geometry)++;
       ispc::hitGeometry(&part_.view, &view, n, !firstHit_ && scene_.scene_->opaqueSurfaces);
@@ -231,7 +239,10 @@ class EmbreeScene::Packet {
       c.isoMacrocellsSkipped += uint64_t(counts[1]);
     }
     const std::vector<int32_t>& volumes = scene.rendered;
-    if (std::any_of(volumes.begin(), volumes.end(), [&](int op) { return part_.fields[op].samples; })) {
+    if (volumes.size() == 1 && scene.operators[size_t(volumes[0])].data.mesh) {
+      if (part_.operators[size_t(volumes[0])].primitives > 0) integrateMesh(view, n, volumes[0]);
+    } else if (std::any_of(volumes.begin(), volumes.end(),
+                           [&](int op) { return part_.fields[op].samples; })) {
       Stopwatch time(c.nsIntegrate);
       c.runs(volumes.size() == 1 ? Kernel::Integrate : Kernel::IntegrateVolumes)++;
       int64_t counts[4] = {};
@@ -245,6 +256,17 @@ class EmbreeScene::Packet {
       c.segmentsSkipped += uint64_t(counts[3]);
     }
     ispc::routeRays(&part_.view, &view, n, false);
+  }
+
+  void integrateMesh(RayView& view, int n, int op) {
+    TraceCounters& c = result_.counters;
+    Stopwatch time(c.nsIntegrate);
+    c.runs(Kernel::IntegrateMesh)++;
+    int64_t counts[3] = {};
+    ispc::integrateRaysOfMesh(&part_.view, &view, n, op, counts);
+    c.samples += uint64_t(counts[0]);
+    c.meshCells += uint64_t(counts[1]);
+    c.meshWalks += uint64_t(counts[2]);
   }
 
   // Shades or samples hits, deposits light and forwards rays. Returns the rays that go on behind a surface.

@@ -37,7 +37,8 @@ class EmbreeScene final : public DeviceScene {
     std::vector<single::OperatorView> operators;
     std::vector<single::VolumeView> fields;
     std::vector<std::shared_ptr<const GeometryTree>> trees;  ///< per operator; empty if there is no geometry
-    std::vector<GeometryTreeView> treeViews;
+    std::vector<GeometryTreeView> treeViews;                  ///< of geometry
+    std::vector<GeometryTreeView> shellViews;                 ///< of meshes
   };
   class Packet;
 

@@ -18,6 +18,7 @@ namespace {
 int rowsOf(int kind) {
   return kind == KIND_PARTICLES   ? TREE_SPHERE_ROWS
          : kind == KIND_PATHLINES ? TREE_TUBE_ROWS
+         : kind == KIND_MESH      ? TREE_SHELL_ROWS
                                   : TREE_TRIANGLE_ROWS;
 }
 
@@ -37,6 +38,12 @@ std::array<float, TREE_TUBE_ROWS> rowsOf(int kind, const GeometryInPartition& pa
       copy(near[k], 4, 8 + 4 * k);
       rows[16 + k] = near[k] != ends[k];
     }
+  } else if (kind == KIND_MESH) {
+    const FaceId face = part.shell[primitive];
+    size_t row = 0;
+    for (int k = 0; k < 4; k++)
+      if (k != faceOf(face)) copy(part.indices[4 * size_t(cellOf(face)) + size_t(k)], 3, 3 * row++);
+    rows[9] = std::bit_cast<float>(face);
   } else {
     for (size_t k = 0; k < 3; k++) copy(part.indices[3 * size_t(primitive) + k], 3, 3 * k);
   }
@@ -124,7 +131,7 @@ template <size_t Lanes>
 GeometryTree built(int kind, const GeometryInPartition& part, const Advance& advance) {
   const Advance building = partOf(advance, 0, 2), filling = partOf(advance, 1, 2);
   std::vector<RTCBuildPrimitive> primitives;
-  embree::addPrimitives(primitives, 0, cornersOfKind(kind), part);
+  embree::addPrimitives(primitives, 0, kind, part);
   const embree::Device device;
   // Leaves are as full as possible, because a step takes as long for one primitive as for all lanes.
   const typename Flatten<Lanes>::Tree tree(device, std::move(primitives), TREE_DEEPEST, Lanes, building);

@@ -20,3 +20,4 @@
 // Two points, the points before and after (x y z radius each), and whether those two exist.
 #define TREE_TUBE_ROWS 18
 #define TREE_TRIANGLE_ROWS 9  // three corners
+#define TREE_SHELL_ROWS 10    // three corners, and the face (GeometryInPartition::shell)

@@ -25,6 +25,8 @@ std::optional<Kernel> kernelOf(Stage stage) {
       return Kernel::Integrate;
     case Stage::IntegrateVolumes:
       return Kernel::IntegrateVolumes;
+    case Stage::IntegrateMesh:
+      return Kernel::IntegrateMesh;
     default:  // Shade is counted only if there is something to shade
       return {};
   }
@@ -153,6 +155,8 @@ void Batch::take() {
   c.segmentsSkipped += lane.count(COUNT_SEGMENTS_SKIPPED);
   c.cells += lane.count(COUNT_CELLS);
   c.isoMacrocellsSkipped += lane.count(COUNT_ISO_SKIPPED);
+  c.meshCells += lane.count(COUNT_MESH_CELLS);
+  c.meshWalks += lane.count(COUNT_MESH_WALKS);
   c.nodes += lane.count(COUNT_NODES);
   c.primitives += lane.count(COUNT_PRIMITIVES);
   c.secondariesSpawned += lane.count(COUNT_MADE);

@@ -6,6 +6,7 @@
 
 #include "backends/bvh/tree.h"
 #include "core/comm/error.h"
+#include "core/rays/fill_views.h"
 #include "shaders/layout.h"
 
 namespace gxy::vulkan {
@@ -58,39 +59,35 @@ class Flatten {
   Hierarchy& out_;
 };
 
-std::vector<RTCBuildPrimitive> primitivesOf(const CompiledScene& scene, int partition) {
-  std::vector<RTCBuildPrimitive> all;
-  for (size_t op = 0; op < scene.operators.size(); op++) {
-    const auto found = scene.operators[op].parts.find(partition);
-    if (found == scene.operators[op].parts.end()) continue;
-    if (!found->second.geometry) continue;
-    embree::addPrimitives(all, unsigned(op), cornersOf(scene.operators[op].vis.type),
-                          *found->second.geometry);
-  }
-  return all;
+void addPrimitives(std::vector<RTCBuildPrimitive>& all, const CompiledScene& scene, size_t op,
+                   int partition) {
+  const auto found = scene.operators[op].parts.find(partition);
+  if (found != scene.operators[op].parts.end() && found->second.geometry)
+    embree::addPrimitives(all, unsigned(op), viewKindOf(scene.operators[op]), *found->second.geometry);
 }
 
-}  // namespace
-
-int cornersOf(VisType type) {
-  switch (type) {
-    case VisType::Particles:
-      return 1;
-    case VisType::PathLines:
-      return 2;
-    default:
-      return 3;
-  }
-}
-
-Hierarchy hierarchyOf(const CompiledScene& scene, int partition, const Advance& advance) {
+Hierarchy hierarchyOver(std::vector<RTCBuildPrimitive> primitives, const Advance& advance) {
   Hierarchy hierarchy;
-  std::vector<RTCBuildPrimitive> primitives = primitivesOf(scene, partition);
   if (primitives.empty()) return hierarchy;
   const embree::Device device;
   const Tree tree(device, std::move(primitives), kDeepest, 1, advance);
   Flatten(hierarchy).node(tree.root());
   return hierarchy;
+}
+
+}  // namespace
+
+Hierarchy hierarchyOf(const CompiledScene& scene, int partition, const Advance& advance) {
+  std::vector<RTCBuildPrimitive> primitives;
+  for (size_t op = 0; op < scene.operators.size(); op++)
+    if (!scene.operators[op].data.mesh) addPrimitives(primitives, scene, op, partition);
+  return hierarchyOver(std::move(primitives), advance);
+}
+
+Hierarchy shellHierarchyOf(const CompiledScene& scene, int op, int partition, const Advance& advance) {
+  std::vector<RTCBuildPrimitive> primitives;
+  addPrimitives(primitives, scene, size_t(op), partition);
+  return hierarchyOver(std::move(primitives), advance);
 }
 
 }  // namespace gxy::vulkan

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bounding volume hierarchy over the geometry of a partition, as shaders/geometry.comp walks it.
+// Bounding volume hierarchies over the geometry of a partition and over shells of meshes, as shaders/geometry.comp and
+// shaders/integrate_mesh.comp walk them.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -20,7 +21,8 @@ struct Hierarchy {
 Hierarchy hierarchyOf(
     const CompiledScene& scene, int partition, const Advance& advance = [](double) {});
 
-/// Points per primitive.
-int cornersOf(VisType type);
+/// The same over the shell of the cells that operator `op`, an unstructured volume, has in the partition.
+Hierarchy shellHierarchyOf(
+    const CompiledScene& scene, int op, int partition, const Advance& advance = [](double) {});
 
 }  // namespace gxy::vulkan

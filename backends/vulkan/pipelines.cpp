@@ -10,6 +10,7 @@
 #include "finish_spirv.h"
 #include "geometry_spirv.h"
 #include "groups_spirv.h"
+#include "integrate_mesh_spirv.h"
 #include "integrate_spirv.h"
 #include "integrate_volumes_spirv.h"
 #include "isosurfaces_spirv.h"
@@ -45,6 +46,8 @@ std::span<const uint32_t> codeOf(Stage stage) {
       return integrate_spirv;
     case Stage::IntegrateVolumes:
       return integrate_volumes_spirv;
+    case Stage::IntegrateMesh:
+      return integrate_mesh_spirv;
     case Stage::Shade:
       return shade_spirv;
     case Stage::Sample:
@@ -69,9 +72,11 @@ Special specialFor(Stage stage, const Special& special) {
                      stage == Stage::IntegrateVolumes || stage == Stage::Sample ||
                      (stage == Stage::Shade && (special.surfaces & SURFACE_FIELDS) != 0);
   if (reads) s.sampleKind = special.sampleKind, s.scalars = special.scalars;
-  if (stage == Stage::Integrate || stage == Stage::IntegrateVolumes || stage == Stage::Shade)
+  if (stage == Stage::Integrate || stage == Stage::IntegrateVolumes || stage == Stage::IntegrateMesh ||
+      stage == Stage::Shade)
     s.mapKind = special.mapKind;
-  if (reads || stage == Stage::Geometry || stage == Stage::Shade || stage == Stage::Finish)
+  if (reads || stage == Stage::IntegrateMesh || stage == Stage::Geometry || stage == Stage::Shade ||
+      stage == Stage::Finish)
     s.operators = special.operators;
   if (stage == Stage::Spawn || stage == Stage::Begin || stage == Stage::Integrate || stage == Stage::Shade)
     s.routes = special.routes | ROUTE_ON;
@@ -80,7 +85,7 @@ Special specialFor(Stage stage, const Special& special) {
   if (stage == Stage::Shade || stage == Stage::Geometry) s.surfaces = special.surfaces;
   if (stage == Stage::Isosurfaces) s.surfaces = special.surfaces & SURFACE_STARTS;
   if (stage == Stage::Geometry) s.anyHit = special.anyHit;
-  if (stage == Stage::Integrate) s.mapAhead = special.mapAhead;
+  if (stage == Stage::Integrate || stage == Stage::IntegrateMesh) s.mapAhead = special.mapAhead;
   if (stage == Stage::Integrate || stage == Stage::IntegrateVolumes) s.byCells = special.byCells;
   return s;
 }

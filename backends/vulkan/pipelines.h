@@ -26,6 +26,7 @@ enum class Stage {
   Isosurfaces,
   Integrate,
   IntegrateVolumes,
+  IntegrateMesh,
   Shade,
   Sample,
   Depth,

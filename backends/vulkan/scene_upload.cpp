@@ -138,10 +138,11 @@ class Uploading {
       shader::OperatorView& view = operators_.emplace_back();
       fillOperatorView(view, op, inTables_);
       if (primitives_[i]) {
-        constexpr int kBits[] = {0, SURFACE_PARTICLES, SURFACE_PATHLINES, SURFACE_TRIANGLES};
+        constexpr int kBits[] = {0, SURFACE_PARTICLES, SURFACE_PATHLINES, SURFACE_TRIANGLES, 0};
         out_.geometryKinds |= kBits[view.kind];
       }
       out_.hasBlock.push_back(part && part->block);
+      out_.hasCells.push_back(primitives_[i] && op.data.mesh);
       out_.hasIsosurface.push_back(part && !part->isoMask.empty());
       if (part && part->block) checkNumbering(part->block->extent.points, op.data.volume->components);
     }
@@ -170,7 +171,7 @@ class Uploading {
   }
 
   PartitionOnDevice finish(const Pipelines& pipelines, SharedData& shared) {
-    if (out_.geometryKinds != 0) {
+    if (std::any_of(primitives_.begin(), primitives_.end(), [](const auto* part) { return part; })) {
       out_.geometry = shared.geometry.get(
           primitives_, [&] { return makeGeometry(); }, [&] { advance_(0); });
       view_.hierarchy = out_.geometry->hierarchy;
@@ -184,6 +185,8 @@ class Uploading {
         view.colors = at.colors;
         view.indices = at.indices;
         view.neighbours = at.neighbours;
+        view.shell = at.shell;
+        view.shellHierarchy = at.shellHierarchy;
       }
     }
     const auto sceneBytes = std::as_bytes(std::span(&view_, 1));
@@ -278,6 +281,16 @@ class Uploading {
     return made;
   }
 
+  // Returns the place of a hierarchy, with that of its list of primitives before its nodes.
+  static uint32_t add(const Hierarchy& hierarchy, Words& words) {
+    const uint32_t list = words.add(hierarchy.primitives);
+    const size_t count = hierarchy.nodes.size() / NODE_WORDS;
+    const float nodes = std::nextafter(float(count), 1e30f);
+    const uint32_t place = words.add(std::vector<uint32_t>{list, std::bit_cast<uint32_t>(nodes)});
+    words.add(hierarchy.nodes);
+    return place;
+  }
+
   GeometryOnDevice makeGeometry() const {
     GeometryOnDevice made;
     Words words;
@@ -286,12 +299,11 @@ class Uploading {
       shader::OperatorView& at = made.places.emplace_back();
       if (part) fillPrimitives(at, *part, places);
     }
-    const Hierarchy hierarchy = hierarchyOf(scene_, partition_, partOf(advance_, 0, 4));
-    const uint32_t list = words.add(hierarchy.primitives);
-    const size_t count = hierarchy.nodes.size() / NODE_WORDS;
-    const float nodes = std::nextafter(float(count), 1e30f);
-    made.hierarchy = words.add(std::vector<uint32_t>{list, std::bit_cast<uint32_t>(nodes)});
-    words.add(hierarchy.nodes);
+    made.hierarchy = add(hierarchyOf(scene_, partition_, partOf(advance_, 0, 4)), words);
+    for (size_t i = 0; i < primitives_.size(); i++)
+      if (out_.hasCells[i])
+        made.places[i].shellHierarchy =
+            add(shellHierarchyOf(scene_, int(i), partition_, partOf(advance_, 0, 4)), words);
     made.buffer = Buffer(device_, words.bytes().size(), Place::Device, "geometry");
     upload(device_, made.buffer, 0, words.bytes(), partOf(advance_, 1, 4));
     made.charge = Charge(device_, made.buffer.bytes());

@@ -43,7 +43,7 @@ struct SamplesOnDevice {
   Charge charge;
 };
 
-/// The primitives of a partition's operators, and the hierarchy over them.
+/// The primitives and cells of a partition's operators, and the hierarchies over them.
 struct GeometryOnDevice {
   Buffer buffer;
   Charge charge;
@@ -64,7 +64,7 @@ struct PartitionOnDevice {
   int32_t geometryKinds = 0;  ///< SURFACE_* bits of its geometry
   uint32_t volumeList = 0;    ///< place of the rendered volumes' list in the tables
   uint32_t mine = 0;          ///< place in the tables: per partition, whether it is this rank's and visible
-  std::vector<bool> hasBlock, hasIsosurface;  ///< per operator
+  std::vector<bool> hasBlock, hasIsosurface, hasCells;  ///< per operator
 };
 
 /// Device data shared between scenes. The key is the list of blocks or of primitives in their order. Scenes

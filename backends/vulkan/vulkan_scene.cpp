@@ -316,7 +316,9 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartitionOnDevice& pa
   for (int op : scene_->isosurfaces)
     if (part.hasIsosurface[size_t(op)]) add(Stage::Isosurfaces, crosses, op);
   const std::vector<int32_t>& volumes = scene_->rendered;
-  if (std::any_of(volumes.begin(), volumes.end(), isHere)) {
+  if (volumes.size() == 1 && part.hasCells[size_t(volumes[0])]) {
+    add(Stage::IntegrateMesh, special, volumes[0]);
+  } else if (std::any_of(volumes.begin(), volumes.end(), isHere)) {
     if (volumes.size() == 1)
       add(Stage::Integrate, special, volumes[0]);
     else
@@ -348,7 +350,7 @@ void VulkanScene::addTimes(TraceCounters& c, const Lane& lane) {
   c.nsSpawn += spent(Stage::Spawn) + spent(Stage::Begin);
   c.nsGeometry += spent(Stage::Geometry);
   c.nsSurfaces += spent(Stage::Slices) + spent(Stage::Isosurfaces);
-  c.nsIntegrate += spent(Stage::Integrate) + spent(Stage::IntegrateVolumes);
+  c.nsIntegrate += spent(Stage::Integrate) + spent(Stage::IntegrateVolumes) + spent(Stage::IntegrateMesh);
   c.nsShade += spent(Stage::Shade) + spent(Stage::Sample) + spent(Stage::Depth) + spent(Stage::Finish);
   c.nsRoute += spent(Stage::Regenerate) + spent(Stage::Bound) + spent(Stage::Groups) + spent(Stage::Take);
 }

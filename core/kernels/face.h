@@ -27,44 +27,52 @@ FN int triangleSign(vec3 a, vec3 b, vec3 c) {
   return (edgeCrossing(a, b) + edgeCrossing(b, c)) + edgeCrossing(c, a);
 }
 
-// Where the ray passes a triangle whose sign is not 0: its depth, and the barycentric coordinates of b and c. If the corners are in
-// the order of their numbers, the bits are the same for all cells that have this face. A triangle that is seen edge-on has no such
-// point in this arithmetic; then it is a.
-FN void trianglePoint(vec3 a, vec3 b, vec3 c, OUT(real) depth, OUT(real) weightB, OUT(real) weightC) {
-  real sideA = sideOf(b, c);
-  real sideB = sideOf(c, a);
-  real sideC = sideOf(a, b);
-  real sum = (sideA + sideB) + sideC;
-  real share = sum != R(0.0) ? R(1.0) / sum : R(0.0);
-  real weightA = sum != R(0.0) ? sideA * share : R(1.0);
-  weightB = sideB * share;
-  weightC = sideC * share;
-  depth = (weightA * a.z + weightB * b.z) + weightC * c.z;
+// The sum of three numbers, with the same bits in any order of them. None of them may be NaN.
+FN real sumOf(real x, real y, real z) {
+  real lo = min1(x, y), hi = max1(x, y);
+  real least = min1(lo, z), rest = max1(lo, z);
+  return (least + min1(rest, hi)) + max1(rest, hi);
 }
 
-FN real component4(vec4 v, int i) { return i < 2 ? (i == 0 ? v.x : v.y) : (i == 2 ? v.z : v.w); }
-
-// How many faces of a tetrahedron have this sign and come before face `of`, by t and then by number.
-FN int facesBefore(vec4 sign, vec4 t, real ofSign, int of) {
-  int count = 0;
-  real at = component4(t, of);
-  for (UNIFORM int i = 0; i < 4; i++) {
-    real ti = component4(t, i);
-    bool before = ti < at || (ti == at && i < of);
-    count += component4(sign, i) == ofSign && before ? 1 : 0;
-  }
-  return count;
+// The barycentric coordinates of the point where the ray passes a triangle whose sign is not 0. sideA, sideB and sideC: sideOf its edges
+// opposite a, b and c, one after the other around it. Their signs do not matter, so the coordinates have the same bits whichever way
+// round the corners are. They are never negative. A triangle that is seen edge-on has no such point in this arithmetic; then it is the
+// middle.
+FN void triangleShares(real sideA, real sideB, real sideC, OUT(real) shareA, OUT(real) shareB,
+                       OUT(real) shareC) {
+  real a = abs(sideA), b = abs(sideB), c = abs(sideC);
+  real sum = sumOf(a, b, c);
+  real one = R(1.0) / (sum > R(0.0) ? sum : R(1.0));
+  bool edgeOn = !(sum > R(0.0));
+  shareA = edgeOn ? R(0.33333333333333333) : a * one;
+  shareB = edgeOn ? R(0.33333333333333333) : b * one;
+  shareC = edgeOn ? R(0.33333333333333333) : c * one;
 }
 
-// The face of a tetrahedron through which a ray that passes face `from` goes on: the first that enters is paired with the first that
-// leaves, the second with the second. sign: of the four faces; t: where the ray passes them.
-FN int pairedFace(vec4 sign, vec4 t, int from) {
-  real own = component4(sign, from);
-  int place = facesBefore(sign, t, own, from);
-  int paired = -1;
-  for (UNIFORM int i = 0; i < 4; i++) {
-    bool is = component4(sign, i) == -own && facesBefore(sign, t, -own, i) == place;
-    paired = is ? i : paired;
-  }
-  return paired;
+// The mean of what the corners have, with the same bits in any order of the corners.
+FN real meanOf(real shareA, real shareB, real shareC, real a, real b, real c) {
+  return sumOf(shareA * a, shareB * b, shareC * c);
+}
+
+// Whether a face that the ray passes at t comes before another one at u. `number` and `other` are those of the corners opposite them.
+FN bool passesBefore(real t, uint number, real u, uint other) { return t < u || (t == u && number < other); }
+
+// The corner of a tetrahedron opposite the face by which a ray goes on (0: a, 1: b, 2: c) that has come by the face opposite d and
+// passes all four faces. `came`, signA, signB and signC are the signs of the faces, t, tA, tB and tC where the ray passes them, and a,
+// b, c and d the numbers of the corners opposite them. Of the two faces with the sign `came` the first is paired with the first of the
+// two others, the second with the second.
+FN int cornerLeft(int came, int signA, int signB, real t, real tA, real tB, real tC, uint a, uint b, uint c,
+                  uint d) {
+  bool likeA = signA == came;
+  bool likeB = signB == came && !likeA;
+  real tLike = likeA ? tA : (likeB ? tB : tC);
+  uint like = likeA ? a : (likeB ? b : c);
+  bool second = passesBefore(tLike, like, t, d);
+  // The two others, in the order of a, b and c.
+  bool firstIsB = likeA, lastIsB = !likeA && !likeB;
+  real tFirst = firstIsB ? tB : tA, tLast = lastIsB ? tB : tC;
+  uint first = firstIsB ? b : a, last = lastIsB ? b : c;
+  bool inTurn = passesBefore(tFirst, first, tLast, last);
+  int placeFirst = firstIsB ? 1 : 0, placeLast = lastIsB ? 1 : 2;
+  return inTurn != second ? placeFirst : placeLast;
 }

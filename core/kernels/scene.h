@@ -5,6 +5,7 @@
 #include "core/kernels/clip.h"
 #include "core/kernels/cuts.h"
 #include "core/kernels/multi_volume.h"
+#include "core/kernels/mesh.h"
 #include "core/kernels/camera.h"
 #include "core/kernels/lattice.h"
 #include "core/kernels/primitives.h"

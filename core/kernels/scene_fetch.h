@@ -43,6 +43,20 @@ FN vec3 ownColorOf(OPERATOR op, uint i) {
 }
 FN uint cornerOf(OPERATOR op, uint i) { return op.indices[i]; }
 FN uint neighbourOf(OPERATOR op, uint i) { return op.neighbours[i]; }
+#if defined(ISPC)
+#define MESH_AT(op, array, i) ((op).wide != 0 ? (op).array[PLACE(i)] : (op).array[(int)(i)])
+#else
+#define MESH_AT(op, array, i) (op).array[PLACE(i)]
+#endif
+FN vec4 vertexOf(OPERATOR op, uint i) {
+  uint k = 4 * i;
+  return make_v4(MESH_AT(op, points, k), MESH_AT(op, points, k + 1), MESH_AT(op, points, k + 2),
+                 MESH_AT(op, points, k + 3));
+}
+FN uint cellCorner(OPERATOR op, uint i) { return MESH_AT(op, indices, i); }
+FN uint cellNeighbour(OPERATOR op, uint i) { return MESH_AT(op, neighbours, i); }
+FN uint shellFace(OPERATOR op, uint i) { return MESH_AT(op, shell, i); }
+#undef MESH_AT
 FN vec3 sliceNormal(OPERATOR op, uint i) {
   return make_v3(op.slice[4 * i], op.slice[4 * i + 1], op.slice[4 * i + 2]);
 }

@@ -6,6 +6,7 @@
 #define KIND_PARTICLES 1
 #define KIND_PATHLINES 2
 #define KIND_TRIANGLES 3
+#define KIND_MESH 4  // an unstructured volume
 
 // The most volumes that one march integrates together (multi_volume.h).
 #define MANY_VOLUMES 8
@@ -19,15 +20,19 @@ struct OperatorView {
   real opacity;              // of its surfaces
   int twoSided;
   int slices;
-  PTR(real) slice;  // 4 per plane: n . p = offset
-  real every;       // distance between the places that rays of a sampling meet; 0: none
-  uint primitives;
-  PTR(real) points;      // x y z radius
-  PTR(real) normals;     // x y z per point, or null
-  PTR(real) values;      // per point, or null
-  PTR(real) colors;      // r g b per point, or null
-  PTR(uint) indices;     // 2 or 3 per primitive
-  PTR(uint) neighbours;  // of segments: the points before and after; the segment's own end if there is none
+  PTR(real) slice;    // 4 per plane: n . p = offset
+  real every;         // distance between the places that rays of a sampling meet; 0: none
+  uint primitives;    // of a mesh: the faces of its shell
+  int wide;           // 1: an array of a mesh has 2^31 bytes or more, and needs 64-bit offsets
+  PTR(real) points;   // x y z radius; of a mesh: x y z value
+  PTR(real) normals;  // x y z per point, or null
+  PTR(real) values;   // per point, or null
+  PTR(real) colors;   // r g b per point, or null
+  PTR(uint) indices;  // 2 or 3 per primitive; of a mesh: 4 per tetrahedron, which ascend
+  // Of segments: the points before and after; the segment's own end if there is none. Of a mesh: 4 per tetrahedron (mesh.h).
+  PTR(uint) neighbours;
+  PTR(uint) shell;     // of a mesh: one per primitive (mesh.h)
+  RAW shellHierarchy;  // over the shell of a mesh, in the backend's own form
 };
 
 #define LIGHT_DIRECTIONAL 0

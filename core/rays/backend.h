@@ -22,9 +22,9 @@ namespace gxy {
 class Ledger;
 
 /// Kernels that some scenes do not need; each has code of its own.
-enum class Kernel { Geometry, Slices, Isosurfaces, Integrate, IntegrateVolumes, Shade };
-inline constexpr const char* kKernelNames[] = {"geometry",  "slices",         "isosurfaces",
-                                               "integrate", "integrate many", "shade"};
+enum class Kernel { Geometry, Slices, Isosurfaces, Integrate, IntegrateVolumes, IntegrateMesh, Shade };
+inline constexpr const char* kKernelNames[] = {"geometry",       "slices",         "isosurfaces", "integrate",
+                                               "integrate many", "integrate mesh", "shade"};
 inline constexpr size_t kKernels = std::size(kKernelNames);
 
 /// Counters of what was done and what was skipped, in one call, or in several that a device has done as one.
@@ -43,6 +43,8 @@ struct TraceCounters {
   uint64_t macrocells = 0, macrocellsSkipped = 0;  ///< of the march
   uint64_t segmentsSkipped = 0;  ///< of the march, in macrocells that it integrates cell by cell
   uint64_t cells = 0, isoMacrocellsSkipped = 0;  ///< of the isosurface walk
+  uint64_t meshCells = 0,
+           meshWalks = 0;  ///< cells of unstructured volumes that rays crossed, and walks through them
   uint64_t nsSpawn = 0, nsGeometry = 0, nsSurfaces = 0, nsIntegrate = 0, nsShade = 0,
            nsRoute = 0;  ///< nanoseconds
   /// For a device with a queue: how often work was submitted to it, how many nanoseconds it worked, and how

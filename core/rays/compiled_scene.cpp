@@ -10,6 +10,7 @@
 #include "core/comm/error.h"
 #include "core/comm/parallel_for.h"
 #include "core/kernels/single_views.h"
+#include "core/rays/compiled_mesh.h"
 #include "core/rays/iso_mask.h"
 #include "core/rays/step_plan.h"
 #include "core/scene/colormaps.h"
@@ -37,7 +38,7 @@ bool planeMeets(const CompiledPlane& p, const Box& box, const RenderSpace& space
   return std::abs(p.x * centre.x + p.y * centre.y + p.z * centre.z - p.offset) <= reach;
 }
 
-// The largest extinction of a rendered volume, per unit of t.
+// The largest extinction of a rendered volume on a uniform grid, per unit of t.
 double largestExtinction(const CompiledOperator& op) {
   const Volume& volume = *op.data.volume;
   const Range& range = volume.ranges.at(op.summary);
@@ -282,7 +283,7 @@ double largestRadius(const Vis& vis, const Range& range) {
 
 size_t GeometryInPartition::bytes() const {
   return 4 * (points.size() + normals.size() + values.size() + colors.size() + indices.size() +
-              neighbours.size());
+              neighbours.size() + shell.size());
 }
 
 size_t CompiledScene::bytes() const {
@@ -330,11 +331,15 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
     op.vis = visualization.operators[i];
     op.data = data.at(i);
     const bool isVolume = op.vis.type == VisType::Volume;
-    if (isVolume ? !op.data.volume : !op.data.geometry || typeFor(op.data.geometry->kind) != op.vis.type)
+    if (isVolume ? !op.data.volume && !op.data.mesh
+                 : !op.data.geometry || typeFor(op.data.geometry->kind) != op.vis.type)
       throw Error("operator " + std::to_string(i + 1) + ": dataset \"" + op.vis.dataset +
                   "\" is not of the kind that this operator shows");
     for (const Plane& p : op.vis.clipPlanes) op.clips.push_back(compilePlane(p, scene->space));
-    if (isVolume) {
+    if (op.data.mesh) {
+      compileMesh(op, *scene);
+      seen.extend(op.data.mesh->box);
+    } else if (isVolume) {
       const Grid& grid = op.data.volume->grid;
       if (grid.rim)
         for (const Plane& p : planesAround(grid.box().lo, grid.box().hi))
@@ -355,9 +360,19 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
   if (scene->rendered.size() > MANY_VOLUMES)
     throw Error("a visualization renders " + std::to_string(scene->rendered.size()) +
                 " volumes at once, expected at most " + std::to_string(MANY_VOLUMES));
-  for (size_t i = 0; i < count; i++)
-    if (CompiledOperator& op = scene->operators[i]; op.vis.type == VisType::Volume)
-      planVolume(op, *scene, others, partOf(advance, count + i, 2 * count));
+  if (scene->rendered.size() > 1)
+    for (const int32_t i : scene->rendered)
+      if (const CompiledOperator& op = scene->operators[size_t(i)]; op.data.mesh)
+        throw Error(
+            "dataset \"" + op.vis.dataset +
+            "\": an unstructured volume cannot be rendered together with another volume yet, expected one "
+            "rendered volume");
+  for (size_t i = 0; i < count; i++) {
+    CompiledOperator& op = scene->operators[i];
+    const Advance planning = partOf(advance, count + i, 2 * count);
+    if (op.data.volume) planVolume(op, *scene, others, planning);
+    if (op.data.mesh) planMesh(op, *scene, others, planning);
+  }
   if (seen.empty()) seen = partitioning->domain();
   const glm::dvec3 lo = scene->space.toRender(seen.lo), hi = scene->space.toRender(seen.hi), size = hi - lo;
   const double margin = kDomainMargin * std::max({size.x, size.y, size.z, 1e-3});

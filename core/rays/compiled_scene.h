@@ -44,17 +44,20 @@ struct CompiledPlane {
   float x, y, z, offset;
 };
 
-/// The primitives of an operator in one partition. Scenes that show the same geometry with the same radii
-/// share them.
+/// The primitives of an operator in one partition, or the cells of an unstructured volume, whose primitives are the faces of their
+/// shell (kernels/mesh.h). Scenes that show the same geometry with the same radii share them, and so do those that show the same values
+/// of the same mesh.
 struct GeometryInPartition {
-  std::vector<float> points;      ///< x y z radius, render space
-  std::vector<float> normals;     ///< x y z per point, or empty
-  std::vector<float> values;      ///< per point, or empty
-  std::vector<float> colors;      ///< r g b per point, or empty
-  std::vector<uint32_t> indices;  ///< 2 (segments) or 3 (triangles) per primitive; empty for particles
-  /// For segments: the points before and after; the segment's own end if there is none.
+  std::vector<float> points;   ///< x y z radius, render space; of a mesh: x y z and the stored value
+  std::vector<float> normals;  ///< x y z per point, or empty
+  std::vector<float> values;   ///< per point, or empty
+  std::vector<float> colors;   ///< r g b per point, or empty
+  std::vector<uint32_t>
+      indices;  ///< 2 (segments) or 3 (triangles) per primitive; empty for particles; of a mesh: 4 per tetrahedron
+  /// For segments: the points before and after; the segment's own end if there is none. Of a mesh: MeshBlock::neighbours.
   std::vector<uint32_t> neighbours;
-  uint32_t primitives = 0;  ///< 1 or more
+  std::vector<uint32_t> shell;  ///< of a mesh: MeshBlock::shell
+  uint32_t primitives = 0;      ///< 1 or more
 
   size_t bytes() const;
 };
@@ -64,7 +67,7 @@ struct OperatorInPartition {
   const VolumeBlock* block = nullptr;  ///< owned by the operator's volume
   std::vector<int32_t> plan;           ///< per macrocell of the block, see step_plan.h
   std::vector<int32_t> isoMask;        ///< see iso_mask.h; empty where there is no isosurface
-  std::shared_ptr<const GeometryInPartition> geometry;  ///< null if there is none
+  std::shared_ptr<const GeometryInPartition> geometry;  ///< or cells; null if there is none
 };
 
 /// An allocation that scenes may hold together: its identity and its size.
@@ -80,8 +83,9 @@ struct CompiledOperator {
   Vis vis;  ///< volumeRendering is off if the map is transparent over all data
   OperatorData data;
   CompiledMap map;  ///< over stored values; with extinction only if it is volume rendered
-  std::array<float, 3> gridOrigin{}, gridInverse{};  ///< in render space; cells per unit of it
-  std::vector<float> isovalues;                      ///< stored units
+  std::array<float, 3> gridOrigin{},
+      gridInverse{};             ///< of a uniform grid, in render space; cells per unit of it
+  std::vector<float> isovalues;  ///< stored units
   std::vector<CompiledPlane> slices, clips;
   float every = 0;                           ///< Vis::every in render space
   std::map<int, OperatorInPartition> parts;  ///< key: local partition

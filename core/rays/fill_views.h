@@ -30,8 +30,8 @@ inline int sampleKindOf(ScalarType type) {
   }
 }
 
-inline int viewKindOf(VisType type) {
-  switch (type) {
+inline int viewKindOf(const CompiledOperator& op) {
+  switch (op.vis.type) {
     case VisType::Particles:
       return KIND_PARTICLES;
     case VisType::PathLines:
@@ -39,7 +39,7 @@ inline int viewKindOf(VisType type) {
     case VisType::Triangles:
       return KIND_TRIANGLES;
     default:
-      return KIND_VOLUME;
+      return op.data.mesh ? KIND_MESH : KIND_VOLUME;
   }
 }
 
@@ -60,11 +60,11 @@ void fillMapView(View& v, const CompiledMap& map, Put& put) {
   v.opaque = put(map.opaque);
 }
 
-/// Fills in the volume of an operator; nothing if it shows geometry. `part` is null if the operator has nothing in the
+/// Fills in the volume of an operator; nothing if it shows something else. `part` is null if the operator has nothing in the
 /// partition.
 template <class View, class Put>
 void fillVolumeView(View& v, const CompiledOperator& op, const OperatorInPartition* part, Put& put) {
-  if (op.vis.type != VisType::Volume) return;
+  if (!op.data.volume) return;
   const Volume& volume = *op.data.volume;
   const Index3 cells = volume.grid.cells();
   v.cellsX = int(cells[0]), v.cellsY = int(cells[1]), v.cellsZ = int(cells[2]);
@@ -99,18 +99,21 @@ void fillVolumeView(View& v, const CompiledOperator& op, const OperatorInPartiti
 template <class View, class Put>
 void fillPrimitives(View& v, const GeometryInPartition& part, Put& put) {
   v.primitives = part.primitives;
+  const size_t largest = std::max({part.points.size(), part.indices.size(), part.neighbours.size()});
+  v.wide = largest * sizeof(uint32_t) >= size_t(1) << 31;
   v.points = put(part.points);
   v.normals = put(part.normals);
   v.values = put(part.values);
   v.colors = put(part.colors);
   v.indices = put(part.indices);
   v.neighbours = put(part.neighbours);
+  v.shell = put(part.shell);
 }
 
 /// Fills in all of an operator but its primitives.
 template <class View, class Put>
 void fillOperatorView(View& v, const CompiledOperator& op, Put& put) {
-  v.kind = viewKindOf(op.vis.type);
+  v.kind = viewKindOf(op);
   v.rendered = op.vis.volumeRendering;
   fillMapView(v.map, op.map, put);
   v.clips.planes = int(op.clips.size());

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/kernels/single_views.h"
+#include "core/rays/compiled_scene.h"
 
 namespace gxy {
 
@@ -40,6 +41,22 @@ inline PrimitiveBounds primitiveBounds(int corners, const float* points, const u
     b.hi[k] = std::clamp(b.hi[k] + largest * kSlack, -kLargest, kLargest);
   }
   return b;
+}
+
+/// The bounds of primitive `i` of a part of this kind (KIND_*).
+inline PrimitiveBounds primitiveBounds(int kind, const GeometryInPartition& part, size_t i) {
+  if (kind != KIND_MESH)
+    return primitiveBounds(cornersOfKind(kind), part.points.data(), part.indices.data(), i);
+  float points[12] = {};  // without radii
+  int n = 0;
+  const FaceId face = part.shell[i];
+  for (int k = 0; k < 4; k++) {
+    if (k == faceOf(face)) continue;
+    std::copy_n(&part.points[4 * size_t(part.indices[4 * size_t(cellOf(face)) + size_t(k)])], 3,
+                points + 4 * n++);
+  }
+  constexpr uint32_t kAll[] = {0, 1, 2};
+  return primitiveBounds(3, points, kAll, 0);
 }
 
 }  // namespace gxy

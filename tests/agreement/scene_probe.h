@@ -3,7 +3,7 @@
 // whose field is v, from seeded input i. C++, ISPC and GLSL read it after core/kernels/scene.h; their results have the same
 // bits.
 
-#define SCENE_PROBES 44
+#define SCENE_PROBES 48
 
 // In [lo, hi).
 FN real drawIn(uint i, uint salt, real lo, real hi) { return lo + (hi - lo) * unitReal(hash2(i, salt)); }
@@ -183,7 +183,7 @@ FN real probeSurface(SCENE s, FRAME f, OPERATOR op, VOLUME v, int p, vec3 o, vec
 FN real probeSample(OPERATOR op, VOLUME v, int p, vec3 o, vec3 d, uint i) {
   real t = drawIn(i, 26u, R(0.0), R(1.5));
   if (p == 42) return inRange(t, R(0.25), R(0.75)) ? R(1.0) : R(0.0);
-  if (op.kind == KIND_PARTICLES || op.kind == KIND_PATHLINES || op.kind == KIND_TRIANGLES) return R(-1.0);
+  if (op.kind != KIND_VOLUME) return R(-1.0);
   if (p == 43)
     return hitStep(v, clippedRay(op.clips, v, o, d), drawIn(i, 27u, R(0.002), R(0.3)),
                    drawIn(i, 28u, R(0.0), R(0.3)), t, drawIn(i, 29u, R(-1.0), R(0.4)));
@@ -195,9 +195,58 @@ FN real probeSample(OPERATOR op, VOLUME v, int p, vec3 o, vec3 d, uint i) {
   return x == x ? x : R(-2.0);
 }
 
+// The walks of a ray through a mesh; the faces of its shell are tried one after the other.
+FN real probeMesh(SCENE s, OPERATOR op, int p, vec3 o, vec3 way, uint i) {
+  if (op.kind != KIND_MESH) return R(-1.0);
+  vec3 to = placeOf(vertexOf(op, cornerOfFace(op, shellFace(op, hash2(i, 30u) % op.primitives), 1)));
+  vec3 d = (i & 1u) == 0u ? unit3(make_v3(to.x - o.x, to.y - o.y, to.z - o.z)) : way;
+  MarchRange m;
+  m.tIn = drawIn(i, 31u, R(-0.2), R(0.3));
+  m.tOut = drawIn(i, 32u, R(0.5), R(2.0));
+  m.tOwnershipEnd = m.tOut;
+  m.tStart = drawIn(i, 33u, R(-1.0), R(0.3));
+  m.tStop = drawIn(i, 34u, R(0.5), R(2.0));
+  m.tMin = s.tMin;
+  Radiance L;
+  L.rgb = make_v3(R(0.0), R(0.0), R(0.0));
+  L.A = R(0.0);
+  FrameRay f = frameRay(o, d);
+  MeshMarch w = startMesh(op.clips, o, d, m, L.A);
+  ShellPlace last = beforeShell();
+  int samples = 0, cells = 0;
+  bool goes = w.goes;
+  while (goes) {
+    real t, nearest = R(1e30);
+    uint next = NO_FACE;
+    for (uint k = 0u; k < op.primitives; k++) {
+      uint face = shellFace(op, k);
+      if (passesFace(f, placeOf(vertexOf(op, cornerOfFace(op, face, 0))),
+                     placeOf(vertexOf(op, cornerOfFace(op, face, 1))),
+                     placeOf(vertexOf(op, cornerOfFace(op, face, 2))), t)) {
+        if (t < nearest && beginsBehind(last, t, k, face)) {
+          nearest = t;
+          next = k;
+        }
+      }
+    }
+    goes = next != NO_FACE;
+    if (goes) {
+      last.t = nearest;
+      last.number = next;
+      last.ended = walkMesh(op, f, m, shellFace(op, next), w, L, samples, cells);
+      goes = w.goes;
+    }
+  }
+  if (p == 44) return L.A;
+  if (p == 45) return (L.rgb.x + L.rgb.y) + L.rgb.z;
+  if (p == 46) return toReal(samples + 1000 * cells) + (last.t > R(-1e30) ? last.t : R(0.0));
+  return w.largest > R(-1e30) ? w.largest : R(0.0);
+}
+
 FN real sceneProbe(SCENE s, FRAME f, OPERATOR op, VOLUME v, VOLUMES list, UNIFORM int count, int p, uint i) {
   vec3 o = drawPoint(i, 1u, R(0.7)), d = unit3(drawPoint(i, 4u, R(1.0)));
   if (p < 6) return probeCamera(f, p, i);
+  if (p >= 44) return probeMesh(s, op, p, o, d, i);
   if (p >= 40) return probeSample(op, v, p, o, d, i);
   if (p < 13) return probeLattice(s, p, o, d, i);
   if (p < 25) return probeCuts(s, op, v, list, count, p, o, d, i);

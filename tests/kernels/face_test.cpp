@@ -54,6 +54,22 @@ TetMesh cubeOfTets(uint32_t n, Move&& move) {
   return mesh;
 }
 
+/// The face of a tetrahedron that is paired with face `from`, given the signs of the four faces and where the ray passes them.
+int pairedFace(const glm::vec4& signs, const glm::vec4& ts, int from) {
+  std::array<int, 3> others{};
+  int n = 0, passed = 0, paired = -1;
+  for (int i = 0; i < 4; i++) {
+    if (i != from) others[size_t(n++)] = i;
+    passed += signs[i] != 0;
+    if (signs[i] == -signs[from]) paired = i;
+  }
+  if (passed < 4) return paired;
+  const auto [a, b, c] = others;
+  const auto number = [](int i) { return unsigned(i) + 7; };
+  return others[size_t(single::cornerLeft(int(signs[from]), int(signs[a]), int(signs[b]), ts[from], ts[a],
+                                          ts[b], ts[c], number(a), number(b), number(c), number(from)))];
+}
+
 class Walker {
  public:
   Walker(const TetMesh& mesh, glm::vec3 origin, glm::vec3 direction) : mesh_(mesh) {
@@ -72,10 +88,11 @@ class Walker {
     return int(-forward_) * single::triangleSign(points_[c[0]], points_[c[1]], points_[c[2]]);
   }
   float t(FaceId id) const {
-    auto c = corners(id);
-    std::sort(c.begin(), c.end());
-    float depth, b, w;
-    single::trianglePoint(points_[c[0]], points_[c[1]], points_[c[2]], depth, b, w);
+    const auto c = corners(id);
+    const glm::vec3 &p = points_[c[0]], &q = points_[c[1]], &r = points_[c[2]];
+    float a, b, w;
+    single::triangleShares(single::sideOf(q, r), single::sideOf(r, p), single::sideOf(p, q), a, b, w);
+    const float depth = single::meanOf(a, b, w, p.z, q.z, r.z);
     return depth * perDepth_;
   }
   std::vector<FaceId> entries() const {
@@ -103,7 +120,7 @@ class Walker {
         signs[i] = float(sign(faceId(cell, i)));
         ts[i] = t(faceId(cell, i));
       }
-      const int exit = single::pairedFace(signs, ts, faceOf(at));
+      const int exit = pairedFace(signs, ts, faceOf(at));
       EXPECT_GE(exit, 0);
       if (exit < 0) return walk;
       const float next = std::max(T, ts[exit]);
@@ -224,10 +241,10 @@ TEST(Face, FacesAreInPairsWhateverTheEdgesSay) {
       fours += pierced == 4;
       for (int f = 0; f < 4; f++) {
         if (signs[f] == 0) continue;
-        const int other = single::pairedFace(signs, ts, f);
+        const int other = pairedFace(signs, ts, f);
         ASSERT_GE(other, 0);
         ASSERT_EQ(signs[other], -signs[f]);
-        ASSERT_EQ(single::pairedFace(signs, ts, other), f);
+        ASSERT_EQ(pairedFace(signs, ts, other), f);
       }
     }
   EXPECT_GT(fours, 100);

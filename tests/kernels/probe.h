@@ -200,15 +200,16 @@ FN real probeFace(int f, uint i) {
   b = make_v3(floor(b.x / step) * step, floor(b.y / step) * step, b.z);
   c = make_v3(floor(c.x / step) * step, floor(c.y / step) * step, c.z);
   if (f == 48) return toReal(triangleSign(a, b, c)) + a.z;
-  real depth;
-  real weightB;
-  real weightC;
-  trianglePoint(a, b, c, depth, weightB, weightC);
-  if (f == 49) return (depth + weightB) + R(2.0) * weightC;
-  real entering = (hash2(i, 130u) & 1u) == 0u ? R(1.0) : R(0.0);
-  vec4 sign = make_v4(R(1.0), entering, -entering, R(-1.0));
-  vec4 t = make_v4(floor(a.x * R(2.0)), floor(a.y * R(2.0)), floor(b.x * R(2.0)), floor(b.y * R(2.0)));
-  return toReal(pairedFace(sign, t, 0) + 4 * pairedFace(sign, t, 3)) + a.z;
+  real shareA;
+  real shareB;
+  real shareC;
+  triangleShares(sideOf(b, c), sideOf(c, a), sideOf(a, b), shareA, shareB, shareC);
+  if (f == 49) return meanOf(shareA, shareB, shareC, a.z, b.z, c.z) + R(2.0) * shareC;
+  int signA = (hash2(i, 130u) & 1u) == 0u ? 1 : -1;
+  int signB = signA == 1 || (hash2(i, 131u) & 1u) == 0u ? -1 : 1;
+  int left = cornerLeft(1, signA, signB, floor(a.x * R(2.0)), floor(a.y * R(2.0)), floor(b.x * R(2.0)),
+                        floor(b.y * R(2.0)), i & 3u, 1u, 2u, 3u);
+  return toReal(left) + a.z;
 }
 
 FN real probe(int f, uint i) {

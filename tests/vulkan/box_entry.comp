@@ -21,5 +21,5 @@ void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= count) return;
   vec3 d = numbers(13 * i + 9), rd = vec3(perLength(d.x), perLength(d.y), perLength(d.z));
-  found[i] = entryOf(numbers(13 * i), numbers(13 * i + 3), numbers(13 * i + 6), rd, cases[13 * i + 12]);
+  found[i] = entryOf(numbers(13 * i), numbers(13 * i + 3), numbers(13 * i + 6), rd, 0.0, cases[13 * i + 12]);
 }

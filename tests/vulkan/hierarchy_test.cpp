@@ -32,8 +32,7 @@ class Walk {
         const uint32_t op = h_.primitives.at(2 * i), primitive = h_.primitives.at(2 * i + 1);
         EXPECT_TRUE(seen.insert({op, primitive}).second) << op << " " << primitive;
         const GeometryInPartition& part = *scene_.operators.at(op).parts.at(0).geometry;
-        const PrimitiveBounds b = primitiveBounds(cornersOf(scene_.operators[op].vis.type),
-                                                  part.points.data(), part.indices.data(), primitive);
+        const PrimitiveBounds b = primitiveBounds(viewKindOf(scene_.operators[op]), part, primitive);
         for (uint32_t a = 0; a < 3; a++) {
           EXPECT_LE(std::bit_cast<float>(n[4 * a + k]), b.lo[a]);
           EXPECT_GE(std::bit_cast<float>(n[12 + 4 * a + k]), b.hi[a]);

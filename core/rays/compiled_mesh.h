@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compiles operators that show unstructured volumes; a part of compileScene().
+#pragma once
+#include <memory>
+#include <span>
+
+#include "core/comm/advance.h"
+#include "core/rays/compiled_scene.h"
+
+namespace gxy {
+
+/// Fills in the operator's map and component. Throws Error for what unstructured volumes cannot show yet: isosurfaces, slices and places
+/// at equal distances.
+void compileMesh(CompiledOperator& op, const CompiledScene& scene);
+
+/// Fills in the cells of each local partition in which the map shows something, and says that these partitions are visible. If one of
+/// `others` shows the same values of the same mesh, its cells are used.
+void planMesh(CompiledOperator& op, CompiledScene& scene,
+              std::span<const std::shared_ptr<const CompiledScene>> others, const Advance& advance);
+
+}  // namespace gxy
