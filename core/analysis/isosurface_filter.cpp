@@ -83,7 +83,7 @@ SamplingSource isosurfaceSource(const IsosurfaceSampler& filter, FilterRun& run,
   vis.isovalues = {filter.isovalue};
   source.scene.visualization.operators = {vis};
   source.scene.partitioning = field.data->partitioning;
-  source.scene.data.push_back({{field.data->volume, nullptr, nullptr}, {}});
+  source.scene.data.emplace_back().data.volume = field.data->volume;
   source.rules = {{{}, kMostHits}};
   source.priority.tenant = run.services().turn;
   source.account = run.services().tenant;

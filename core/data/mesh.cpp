@@ -59,10 +59,11 @@ double typicalLength(const Mesh& mesh) {
       std::max(uint64_t(1), std::accumulate(mesh.report.cells.begin(), mesh.report.cells.end(), uint64_t(0)));
   const glm::dvec3 size = mesh.box.hi - mesh.box.lo;
   const double longest = std::max({size.x, size.y, size.z});
-  // The cube roots come first, as the product of three lengths may be outside the range of double.
-  const double side = std::cbrt(size.x) * std::cbrt(size.y) * std::cbrt(size.z);
-  if (side > 0) return side / std::cbrt(double(cells));
-  return longest > 0 ? longest / std::cbrt(double(cells)) : 1;
+  if (!(longest > 0)) return 1;
+  // Relative to the longest side, so that scaling by a power of two is exact and nothing overflows.
+  const glm::dvec3 sides = size / longest;
+  const double volume = sides.x * sides.y * sides.z;
+  return longest * std::cbrt((volume > 0 ? volume : 1) / double(cells));
 }
 
 int64_t bytesOf(const Mesh& mesh) {

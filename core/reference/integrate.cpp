@@ -49,29 +49,46 @@ const GaussRule kGauss;
 VolumeRay::VolumeRay(std::span<const VolumeTerm> terms, const Ray& ray, Interval range)
     : spans_(terms.size()) {
   for (size_t v = 0; v < terms.size(); v++) {
-    const VolumeTerm& term = terms[v];
-    const Interval visible = range.intersected(term.clip);
-    for (CellWalk walk(term.field->grid(), ray); walk.inside() && walk.entry() < visible.hi; walk.advance()) {
-      const double t0 = walk.entry(), t1 = walk.exit();
-      const Interval seen = visible.intersected({t0, t1});
-      const auto corners = seen.lo < seen.hi ? term.field->corners(walk.cell()) : std::nullopt;
-      if (!corners) continue;
-      const Cubic cubic = alongRay(*corners, walk.local(t0), walk.local(t1));
-      const double lo = cubic.min(), hi = cubic.max();
-      if (term.transfer->transparent(lo, hi)) continue;
-      spans_[v].push_back({t0, t1, seen, cubic, term.transfer});
-      breaks_.insert(breaks_.end(), {seen.lo, seen.hi});
-      const auto& points = term.transfer->breaks();
-      for (auto p = std::lower_bound(points.begin(), points.end(), lo); p != points.end() && *p <= hi; ++p) {
-        for (double s : roots(cubic, *p)) {
-          const double t = t0 + s * (t1 - t0);
-          if (seen.contains(t)) breaks_.push_back(t);
-        }
-      }
-    }
+    const Interval visible = range.intersected(terms[v].clip);
+    std::visit([&](const auto* field) { addCells(v, terms[v], *field, ray, visible); }, terms[v].field);
   }
   std::sort(breaks_.begin(), breaks_.end());
   breaks_.erase(std::unique(breaks_.begin(), breaks_.end()), breaks_.end());
+}
+
+void VolumeRay::addCells(size_t term, const VolumeTerm& how, const Field& field, const Ray& ray,
+                         Interval visible) {
+  for (CellWalk walk(field.grid(), ray); walk.inside() && walk.entry() < visible.hi; walk.advance()) {
+    const Interval cell{walk.entry(), walk.exit()}, seen = visible.intersected(cell);
+    const auto corners = seen.lo < seen.hi ? field.corners(walk.cell()) : std::nullopt;
+    if (corners)
+      addCell(term, how, visible, cell, alongRay(*corners, walk.local(cell.lo), walk.local(cell.hi)));
+  }
+}
+
+void VolumeRay::addCells(size_t term, const VolumeTerm& how, const MeshField& field, const Ray& ray,
+                         Interval visible) {
+  for (const MeshSpan& s : field.along(ray, visible)) {
+    const Cubic linear{
+        {s.value0, mix(s.value0, s.value1, 1 / 3.0), mix(s.value0, s.value1, 2 / 3.0), s.value1}};
+    addCell(term, how, visible, {s.t0, s.t1}, linear);
+  }
+}
+
+void VolumeRay::addCell(size_t term, const VolumeTerm& how, Interval visible, Interval cell,
+                        const Cubic& cubic) {
+  const Interval seen = visible.intersected(cell);
+  const double lo = cubic.min(), hi = cubic.max();
+  if (!(seen.lo < seen.hi) || how.transfer->transparent(lo, hi)) return;
+  spans_[term].push_back({cell.lo, cell.hi, seen, cubic, how.transfer});
+  breaks_.insert(breaks_.end(), {seen.lo, seen.hi});
+  const auto& points = how.transfer->breaks();
+  for (auto p = std::lower_bound(points.begin(), points.end(), lo); p != points.end() && *p <= hi; ++p) {
+    for (double s : roots(cubic, *p)) {
+      const double t = cell.lo + s * (cell.hi - cell.lo);
+      if (seen.contains(t)) breaks_.push_back(t);
+    }
+  }
 }
 
 VolumeRay::Piece VolumeRay::gauss(const Active& active, double a, double b) {

@@ -2,18 +2,20 @@
 // Emission and absorption along a ray, integrated by adaptive quadrature.
 #pragma once
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "core/reference/cubic.h"
 #include "core/reference/field.h"
+#include "core/reference/mesh_field.h"
 #include "core/reference/ray.h"
 #include "core/reference/transfer.h"
 
 namespace gxy::reference {
 
-/// A volume as a ray sees it. What it points to must outlive the use.
+/// A volume as a ray sees it, on a grid or on a mesh. What it points to must outlive the use.
 struct VolumeTerm {
-  const Field* field;
+  std::variant<const Field*, const MeshField*> field;
   const Transfer* transfer;
   Interval clip{-kInfinity, kInfinity};  ///< interval of t in which the volume is visible
 };
@@ -60,13 +62,20 @@ class VolumeRay {
   };
   using Active = std::vector<ActiveSpan>;
 
+  /// Adds a cell that the ray is in from t0 to t1, unless it is transparent. The cubic runs between.
+  void addCell(size_t term, const VolumeTerm& how, Interval visible, Interval cell, const Cubic& cubic);
+  void addCells(size_t term, const VolumeTerm& how, const Field& field, const Ray& ray, Interval visible);
+  void addCells(size_t term, const VolumeTerm& how, const MeshField& field, const Ray& ray, Interval visible);
+
   static Piece gauss(const Active& active, double a, double b);
   static void adapt(const Active& active, double a, double b, const Piece& coarse, int depth,
                     Running& running);
   static void integratePiece(const Active& active, double a, double b, Running& running);
 
-  std::vector<std::vector<Span>> spans_;  ///< per term, ascending; transparent cells are left out
-  std::vector<double> breaks_;            ///< t, ascending, at which smoothness may end
+  /// Per term, in the order of entry; transparent cells are left out. Where cells of a mesh overlap, the first one that the ray is
+  /// in counts up to its end.
+  std::vector<std::vector<Span>> spans_;
+  std::vector<double> breaks_;  ///< t, ascending, at which smoothness may end
 };
 
 /// The integral over one stretch of a ray through one or several volumes.

@@ -7,6 +7,7 @@
 // termination, no skipping and only one partition. Where the definitions leave a choice:
 // - The magnitude of a volume with several components is taken at the samples, then interpolated.
 // - A one-sided isosurface faces lower values.
+// - Where cells of a mesh overlap, the one that the ray has entered first counts up to its exit.
 // - An opacity that reaches 1 at single points of a ray leaves its optical depth finite (the logarithm can be
 //   integrated). On a stretch of the ray it is opaque at once.
 // - Colours of points are mixed as values are.
@@ -26,6 +27,7 @@
 #include <vector>
 
 #include "core/data/geometry.h"
+#include "core/data/mesh.h"
 #include "core/data/volume.h"
 #include "core/reference/shade.h"
 #include "core/scene/background.h"
@@ -33,9 +35,11 @@
 
 namespace gxy::reference {
 
-using ReferenceData = std::variant<std::shared_ptr<const Volume>, std::shared_ptr<const Geometry>>;
+using ReferenceData =
+    std::variant<std::shared_ptr<const Volume>, std::shared_ptr<const Geometry>, std::shared_ptr<const Mesh>>;
 
-/// The scene to draw: a visualization and, for each of its operators, the data, whole in partition 0.
+/// The scene to draw: a visualization and, for each of its operators, the data, whole in partition 0. Meshes may be cut, with all
+/// blocks present.
 struct ReferenceScene {
   Visualization visualization;
   std::vector<ReferenceData> data;

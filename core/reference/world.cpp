@@ -131,6 +131,8 @@ double magnitude(glm::dvec3 v) { return std::max({std::abs(v.x), std::abs(v.y), 
 }  // namespace
 
 World::ShownOperator World::makeVolume(const ReferenceScene& scene, size_t index) {
+  if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&scene.data[index]); mesh && *mesh)
+    return makeMesh(**mesh, index);
   const Vis& vis = scene_->visualization.operators[index];
   const auto* volume = std::get_if<std::shared_ptr<const Volume>>(&scene.data[index]);
   if (!volume || !*volume) throw Error("reference: operator " + std::to_string(index) + " expects a volume");
@@ -142,7 +144,17 @@ World::ShownOperator World::makeVolume(const ReferenceScene& scene, size_t index
   }
   box_.extend(grid.box());
   const double length = vis.referenceLength.value_or(field.smallestSpacing());
-  return {&vis, Transfer(vis, length), std::move(field), nullptr, std::nullopt};
+  return {&vis, Transfer(vis, length), std::move(field), std::nullopt, nullptr, std::nullopt};
+}
+
+World::ShownOperator World::makeMesh(const Mesh& mesh, size_t index) {
+  const Vis& vis = scene_->visualization.operators[index];
+  if (!vis.isovalues.empty() || !vis.slices.empty())
+    throw Error("reference: operator " + std::to_string(index) +
+                " has isosurfaces or slices of a mesh: expected volume rendering alone");
+  box_.extend(mesh.box);
+  const double length = vis.referenceLength.value_or(typicalLength(mesh));
+  return {&vis, Transfer(vis, length), std::nullopt, MeshField(mesh, vis.component), nullptr, std::nullopt};
 }
 
 World::ShownOperator World::makeGeometry(const ReferenceScene& scene, size_t index) {
@@ -157,7 +169,7 @@ World::ShownOperator World::makeGeometry(const ReferenceScene& scene, size_t ind
   }
   const auto boxes = boxesOf(vis, **geometry, (*geometry)->blocks.at(0));
   for (const Box& box : boxes) box_.extend(box);
-  return {&vis, Transfer(vis, 1), std::nullopt, *geometry, Bvh(boxes)};
+  return {&vis, Transfer(vis, 1), std::nullopt, std::nullopt, *geometry, Bvh(boxes)};
 }
 
 World::World(const ReferenceScene& scene) : scene_(std::make_shared<ReferenceScene>(scene)) {
@@ -294,7 +306,7 @@ std::optional<SurfaceHit> World::firstHit(const Ray& ray, const Behind& last, do
     const double before = best.t;
     if (part.field) {
       nearestVolumeSurface(int(i), ray, range, last, best);
-    } else {
+    } else if (part.geometry) {
       nearestPrimitive(int(i), ray, range, last, best);
     }
     if (!(best.t < before)) continue;
@@ -317,9 +329,10 @@ std::optional<SurfaceHit> World::firstHit(const Ray& ray, const Behind& last, do
 VolumeRay World::volumes(const Ray& ray, Interval range) const {
   std::vector<VolumeTerm> terms;
   for (const ShownOperator& part : parts_) {
-    if (part.field && part.vis->volumeRendering) {
-      terms.push_back({&*part.field, &part.transfer, keptOf(*part.vis, part.field, ray)});
-    }
+    if (!part.vis->volumeRendering) continue;
+    const Interval kept = keptOf(*part.vis, part.field, ray);
+    if (part.field) terms.push_back({&*part.field, &part.transfer, kept});
+    if (part.mesh) terms.push_back({&*part.mesh, &part.transfer, kept});
   }
   return VolumeRay(terms, ray, range);
 }

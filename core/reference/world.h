@@ -10,6 +10,7 @@
 #include "core/reference/bvh.h"
 #include "core/reference/field.h"
 #include "core/reference/integrate.h"
+#include "core/reference/mesh_field.h"
 #include "core/reference/primitives.h"
 #include "core/reference/transfer.h"
 
@@ -70,11 +71,13 @@ class World {
   struct ShownOperator {
     const Vis* vis;
     Transfer transfer;
-    std::optional<Field> field;
+    std::optional<Field> field;     ///< of a volume on a grid
+    std::optional<MeshField> mesh;  ///< of an unstructured volume
     std::shared_ptr<const Geometry> geometry;
     std::optional<Bvh> tree;
   };
   ShownOperator makeVolume(const ReferenceScene& scene, size_t index);
+  ShownOperator makeMesh(const Mesh& mesh, size_t index);
   ShownOperator makeGeometry(const ReferenceScene& scene, size_t index);
 
   /// Finds the nearest surface of operator `index` behind `last`, if it is nearer than `best`.

@@ -65,7 +65,7 @@ class Perturbed {
     const auto rendered = [](const Vis& vis) { return vis.type == VisType::Volume && vis.volumeRendering; };
     if (std::count_if(all.begin(), all.end(), rendered) < 2) return;
     for (size_t i = 0; i < all.size(); i++) {
-      if (!rendered(all[i])) continue;
+      if (!rendered(all[i]) || !scene.data[i].volume) continue;
       auto copy = std::make_shared<Volume>(*scene.data[i].volume);
       reference_.data[i] = copy;
       apart_.emplace_back(std::move(copy), scene.data[i].volume->grid.origin);

@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <glm/trigonometric.hpp>
 #include <set>
 
 #include "core/rays/fill_views.h"
 #include "core/rays/view_pointers.h"
 #include "tests/agreement/scene_single.h"
 #include "tests/agreement/scenes.h"
+#include "tests/support/meshes.h"
 
 extern "C" {
 using SceneProbes = void(const void* scene, const void* frame, int op, const int* list, int volumes,
@@ -37,6 +39,12 @@ CompiledScene sceneOfAllKinds() {
     test.add(vis, makeGeometry(geometry.kind, coloured(geometry.blocks.at(0))));
   }
   CompiledScene scene = *test.compile();
+  // A mesh is the only volume that its scene renders, so it comes from another one.
+  TestScene other = sceneFrom("mesh", {3, 2, 1}, 40, 40);
+  const auto bent = [](glm::dvec3 p) { return 0.05 * glm::sin(glm::dvec3(9.0 * p.y, 8.0 * p.z, 7.0 * p.x)); };
+  other.add(rendered({{-1, 0}, {0.2, 0.4}, {1, 0.8}}, -1, 1),
+            test::meshInOnePiece(test::cubeOfTets(3, bent, waves)));
+  scene.operators.push_back(other.compile()->operators.at(0));
   std::array<std::vector<double>, 3> faces;
   for (int a = 0; a < 3; a++) {
     const auto outer = scene.partitioning->faces(a);

@@ -12,19 +12,25 @@
 namespace gxy::agreement {
 
 Vis& TestScene::add(Vis vis, std::shared_ptr<const Volume> volume) {
-  data.push_back({std::move(volume), nullptr, glm::dvec3(0.8)});
+  data.emplace_back().volume = std::move(volume);
+  return visualization.operators.emplace_back(std::move(vis));
+}
+
+Vis& TestScene::add(Vis vis, std::shared_ptr<const Mesh> mesh) {
+  data.emplace_back().mesh = std::move(mesh);
   return visualization.operators.emplace_back(std::move(vis));
 }
 
 Vis& TestScene::add(Vis vis, std::shared_ptr<const Geometry> geometry) {
-  data.push_back({nullptr, std::move(geometry), glm::dvec3(0.8)});
+  data.emplace_back().geometry = std::move(geometry);
   return visualization.operators.emplace_back(std::move(vis));
 }
 
 std::shared_ptr<const CompiledScene> TestScene::compile() const {
   Box all = domain;
   if (all.empty())
-    for (const OperatorData& d : data) all.extend(d.volume ? d.volume->grid.box() : d.geometry->box);
+    for (const OperatorData& d : data)
+      all.extend(d.volume ? d.volume->grid.box() : d.mesh ? d.mesh->box : d.geometry->box);
   for (int a = 0; a < 3; a++) {  // a partitioning has a volume
     const glm::dvec3 size = all.hi - all.lo;
     const double longest = std::max({size.x, size.y, size.z, std::abs(all.lo[a]) * 1e-12, 1e-300});
@@ -75,6 +81,12 @@ TestScene moved(const TestScene& from, double factor, glm::dvec3 shift) {
       volume->grid.origin = place(volume->grid.origin);
       volume->grid.spacing *= factor;
       d.volume = volume;
+    } else if (d.mesh) {
+      auto mesh = std::make_shared<Mesh>(*d.mesh);
+      mesh->box = {place(mesh->box.lo), place(mesh->box.hi)};
+      for (auto& [partition, block] : mesh->blocks)
+        for (glm::dvec3& p : block.points) p = place(p);
+      d.mesh = mesh;
     } else {
       auto geometry = std::make_shared<Geometry>(*d.geometry);
       for (glm::dvec3& p : geometry->blocks.at(0).points) p = place(p);

@@ -24,6 +24,7 @@ struct TestScene {
   std::vector<std::shared_ptr<const CompiledScene>> others;  ///< that compile() may take from
 
   Vis& add(Vis vis, std::shared_ptr<const Volume> volume);
+  Vis& add(Vis vis, std::shared_ptr<const Mesh> mesh);
   Vis& add(Vis vis, std::shared_ptr<const Geometry> geometry);
 
   std::shared_ptr<const CompiledScene> compile() const;

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Values of about [0, 1] over [-1, 1]^3.
+}  // namespace
+
 std::function<double(glm::dvec3)> randomField(Choices& choose) {
   const glm::dvec3 a = choose.point(-3, 3), b = choose.point(-4, 4), centre = choose.point(-0.5, 0.5);
   const double phase = choose.in(0, 6);
@@ -45,6 +46,8 @@ std::function<double(glm::dvec3)> randomField(Choices& choose) {
       return wave;
   }
 }
+
+namespace {
 
 Grid randomGrid(Choices& choose) {
   Grid grid;

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Data from a seed, in and about [-1, 1]^3.
 #pragma once
+#include <functional>
+
 #include "tests/random/draw_numbers.h"
 #include "tests/support/data_sets.h"
 
 namespace gxy::test {
+
+/// Values of about [0, 1] over [-1, 1]^3.
+std::function<double(glm::dvec3)> randomField(Choices& choose);
 
 /// A volume and what its maps need to know.
 struct RandomVolume {
@@ -12,6 +17,16 @@ struct RandomVolume {
   double lo = 0, hi = 1;  ///< its true values are about these
 };
 RandomVolume randomVolume(Choices& choose);
+
+/// An unstructured volume of one component and what its maps need to know: cells in order, some of them missing, inverted, flat or
+/// without data.
+struct RandomTetrahedra {
+  WholeMesh mesh;
+  double lo = 0, hi = 1;  ///< its true values are about these
+  double size = 1;        ///< about that of the largest cells
+  bool thin = false;      ///< the cells are far thinner than wide
+};
+RandomTetrahedra randomTetrahedra(Choices& choose);
 
 /// Values in [0, 1], some NaN, or colours, or neither.
 WholeGeometry randomParticles(Choices& choose);

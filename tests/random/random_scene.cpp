@@ -121,6 +121,20 @@ void addVolume(Choices& choose, TestScene& scene) {
   scene.visualization.operators.push_back(std::move(vis));
 }
 
+void addTetrahedra(Choices& choose, TestScene& scene) {
+  RandomTetrahedra made = randomTetrahedra(choose);
+  Vis vis;
+  vis.type = VisType::Volume;
+  vis.volumeRendering = true;
+  vis.colormap = randomColors(choose, made.lo, made.hi);
+  vis.opacitymap = randomOpacity(choose, made.lo, made.hi, made.size);
+  if (choose.oneIn(3) || made.thin) vis.referenceLength = choose.scale(0.03, 0.5);
+  if (choose.oneIn(6)) vis.dataRange = {{0.9 * made.lo + 0.1 * made.hi, 0.2 * made.lo + 0.8 * made.hi}};
+  clipAndFade(choose, vis);
+  scene.data.emplace_back(std::make_shared<const WholeMesh>(std::move(made.mesh)));
+  scene.visualization.operators.push_back(std::move(vis));
+}
+
 void addGeometry(Choices& choose, TestScene& scene) {
   const auto kind = GeometryKind(choose.below(3));
   Vis vis;
@@ -229,6 +243,10 @@ void place(TestScene& scene, double factor, glm::dvec3 shift) {
       moved->grid.origin = at(moved->grid.origin);
       moved->grid.spacing *= factor;
       *volume = std::move(moved);
+    } else if (auto* mesh = std::get_if<std::shared_ptr<const WholeMesh>>(&scene.data[i])) {
+      auto moved = std::make_shared<WholeMesh>(**mesh);
+      for (glm::dvec3& p : moved->cells.points) p = at(p);
+      *mesh = std::move(moved);
     } else {
       auto& geometry = std::get<std::shared_ptr<const WholeGeometry>>(scene.data[i]);
       auto moved = std::make_shared<WholeGeometry>(*geometry);
@@ -244,6 +262,8 @@ Box domainOf(const TestScene& scene) {
   for (const auto& data : scene.data) {
     if (const auto* volume = std::get_if<std::shared_ptr<const WholeVolume>>(&data))
       box.extend((*volume)->grid.box());
+    else if (const auto* mesh = std::get_if<std::shared_ptr<const WholeMesh>>(&data))
+      box.extend(describedMesh((*mesh)->cells).box);
     else
       box.extend(boxOf(std::get<std::shared_ptr<const WholeGeometry>>(data)->block));
   }
@@ -267,7 +287,8 @@ State stateOf(const TestScene& scene) {
   state.visualizations = {scene.visualization};
   for (size_t i = 0; i < scene.data.size(); i++) {
     Vis& vis = state.visualizations[0].operators[i];
-    const char* extension = vis.type == VisType::Volume ? ".vti" : ".vtp";
+    const bool mesh = std::holds_alternative<std::shared_ptr<const WholeMesh>>(scene.data[i]);
+    const char* extension = mesh ? ".vtu" : vis.type == VisType::Volume ? ".vti" : ".vtp";
     vis.dataset = "data" + std::to_string(i);
     state.datasets.push_back(
         {vis.dataset, DatasetType(vis.type), vis.dataset + extension, "", {0.7, 0.6, 0.5, 1}});
@@ -275,13 +296,10 @@ State stateOf(const TestScene& scene) {
   return state;
 }
 
-TestScene randomScene(uint64_t seed) {
-  Choices choose(seed);
-  TestScene scene;
-  scene.name = "random_" + std::to_string(seed);
-  const int operators = choose.oneIn(4) ? choose.from(3, 4) : choose.from(1, 2);
-  for (int n = 0; n < operators; n++)
-    choose.below(5) < 3 ? addVolume(choose, scene) : addGeometry(choose, scene);
+namespace {
+
+/// Chooses what a scene has besides its operators.
+TestScene finished(uint64_t seed, Choices& choose, TestScene scene) {
   scene.visualization.lighting = randomLighting(choose);
   scene.camera = randomCamera(choose);
   scene.settings.background = glm::dvec4(choose.point(0, 1), choose.oneIn(3) ? choose.unit() : 1);
@@ -299,6 +317,30 @@ TestScene randomScene(uint64_t seed) {
   scene.camera = read.state.cameras.at(0);
   scene.settings = read.state.settings;
   return scene;
+}
+
+}  // namespace
+
+TestScene randomScene(uint64_t seed) {
+  Choices choose(seed);
+  TestScene scene;
+  scene.name = "random_" + std::to_string(seed);
+  const int operators = choose.oneIn(4) ? choose.from(3, 4) : choose.from(1, 2);
+  for (int n = 0; n < operators; n++)
+    choose.below(5) < 3 ? addVolume(choose, scene) : addGeometry(choose, scene);
+  return finished(seed, choose, std::move(scene));
+}
+
+TestScene randomMeshScene(uint64_t seed) {
+  Choices choose(seed);
+  TestScene scene;
+  scene.name = "random_mesh_" + std::to_string(seed);
+  addTetrahedra(choose, scene);
+  for (int n = choose.oneIn(2) ? 0 : choose.from(1, 2); n > 0; n--) {
+    choose.oneIn(3) ? addVolume(choose, scene) : addGeometry(choose, scene);
+    scene.visualization.operators.back().volumeRendering = false;
+  }
+  return finished(seed, choose, std::move(scene));
 }
 
 Cut randomCut(const TestScene& scene, uint64_t seed) {
@@ -333,12 +375,15 @@ agreement::TestScene inOnePiece(const TestScene& scene) {
   for (size_t i = 0; i < scene.data.size(); i++) {
     const Vis& vis = scene.visualization.operators[i];
     if (const auto* volume = std::get_if<std::shared_ptr<const WholeVolume>>(&scene.data[i])) {
-      out.data.push_back({cut(**volume, one, 1).at(0), nullptr, glm::dvec3(0.8)});
+      out.data.emplace_back().volume = cut(**volume, one, 1).at(0);
+    } else if (const auto* mesh = std::get_if<std::shared_ptr<const WholeMesh>>(&scene.data[i])) {
+      out.data.emplace_back().mesh = cut(**mesh, one, 1).at(0);
     } else {
       const auto& geometry = *std::get<std::shared_ptr<const WholeGeometry>>(scene.data[i]);
       const bool flat = geometry.kind == GeometryKind::Triangles;
       auto radius = [&](double value) { return flat ? 0 : radiusOf(vis, value); };
-      out.data.push_back({nullptr, distributed(geometry, one, radius, 1).at(0), glm::dvec3(0.7, 0.6, 0.5)});
+      out.data.emplace_back().geometry = distributed(geometry, one, radius, 1).at(0);
+      out.data.back().color = {0.7, 0.6, 0.5};
     }
   }
   return out;

@@ -17,6 +17,9 @@ namespace gxy::test {
 /// A function of the seed alone. What it says has passed through the text of a state file.
 TestScene randomScene(uint64_t seed);
 
+/// The same with an unstructured volume as the only one that is rendered. Up to two other operators show surfaces.
+TestScene randomMeshScene(uint64_t seed);
+
 /// A way to cut the scene's domain and share it among 1 to 6 ranks, some of which may own nothing.
 Cut randomCut(const TestScene& scene, uint64_t seed);
 
@@ -26,7 +29,7 @@ agreement::TestScene inOnePiece(const TestScene& scene);
 /// The largest value that a channel of a picture of the scene may have.
 double brightest(const TestScene& scene);
 
-/// The scene as a state file has it, with the names of its data: data0.vti, data1.vtp, ...
+/// The scene as a state file has it, with the names of its data: data0.vti, data1.vtp, data2.vtu ...
 State stateOf(const TestScene& scene);
 
 /// Writes the scene as FOLDER/scene.state.json and its data beside it, for gxyrender; returns the path of the state file.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstring>
 #include <filesystem>
+#include <iomanip>
+#include <sstream>
 
 #include "core/io/file.h"
 #include "core/io/write_geometry.h"
@@ -29,6 +31,44 @@ void save(const WholeVolume& volume, const std::string& path) {
   VolumeWriter(path, volume.grid, {{"data", type, volume.components, {}}}).write(0, 0, samples);
 }
 
+/// As an unstructured grid of tetrahedra, in text.
+void save(const WholeMesh& mesh, const std::string& path) {
+  const MeshPiece& piece = mesh.cells;
+  const auto& corners = piece.cells.points[size_t(CellType::Tetrahedron)];
+  std::ostringstream out;
+  out << std::setprecision(17);
+  const auto array = [&](const char* type, const char* name, int components, auto write) {
+    out << "<DataArray type=\"" << type << "\" Name=\"" << name << "\" NumberOfComponents=\"" << components
+        << "\" format=\"ascii\">\n";
+    write();
+    out << "</DataArray>\n";
+  };
+  out << "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" "
+         "byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n"
+      << "<Piece NumberOfPoints=\"" << piece.points.size() << "\" NumberOfCells=\"" << corners.size() / 4
+      << "\">\n<Points>\n";
+  array("Float64", "Points", 3, [&] {
+    for (const glm::dvec3& p : piece.points) out << p.x << ' ' << p.y << ' ' << p.z << '\n';
+  });
+  out << "</Points>\n<Cells>\n";
+  array("Int64", "connectivity", 1, [&] {
+    for (const uint32_t corner : corners) out << corner << '\n';
+  });
+  array("Int64", "offsets", 1, [&] {
+    for (size_t i = 4; i <= corners.size(); i += 4) out << i << '\n';
+  });
+  array("UInt8", "types", 1, [&] {
+    for (size_t i = 0; i < corners.size() / 4; i++) out << "10\n";
+  });
+  out << "</Cells>\n<PointData Scalars=\"data\">\n";
+  const bool encoded = mesh.shift != 0 || mesh.scale != 1;
+  array(encoded ? "Float64" : "Float32", "data", piece.components, [&] {
+    for (const float stored : piece.values) out << mesh.shift + mesh.scale * double(stored) << '\n';
+  });
+  out << "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+  writeText(path, out.str());
+}
+
 }  // namespace
 
 std::string saveScene(const TestScene& scene, const std::string& folder) {
@@ -38,6 +78,8 @@ std::string saveScene(const TestScene& scene, const std::string& folder) {
     const std::string path = folder + "/" + state.datasets[i].filename;
     if (const auto* volume = std::get_if<std::shared_ptr<const WholeVolume>>(&scene.data[i])) {
       save(**volume, path);
+    } else if (const auto* mesh = std::get_if<std::shared_ptr<const WholeMesh>>(&scene.data[i])) {
+      save(**mesh, path);
     } else {
       const auto& geometry = *std::get<std::shared_ptr<const WholeGeometry>>(scene.data[i]);
       writeGeometry(path, geometry.block, geometry.kind);

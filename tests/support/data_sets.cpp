@@ -9,6 +9,7 @@
 #include "core/comm/error.h"
 #include "core/data/complete_volume.h"
 #include "core/data/distribute.h"
+#include "core/data/mesh_blocks.h"
 #include "tests/support/thread_ranks.h"
 
 namespace gxy::test {
@@ -80,6 +81,29 @@ std::vector<std::shared_ptr<const Volume>> cut(const WholeVolume& whole, const P
     volumes[size_t(mine.rank())] = volume;
   });
   return volumes;
+}
+
+std::vector<std::shared_ptr<const Mesh>> cut(const WholeMesh& whole, const Partitioning& partitioning,
+                                             int ranks) {
+  std::vector<std::shared_ptr<const Mesh>> meshes(static_cast<size_t>(ranks));
+  onRanks(ranks, [&](Collectives& mine) {
+    MeshPiece read = whole.cells;
+    for (const CellType type : kAllCellTypes) {
+      std::vector<uint32_t> kept;
+      const auto& cells = whole.cells.cells.points[size_t(type)];
+      const size_t corners = shapeOf(type).points, step = corners * size_t(ranks);
+      for (size_t first = corners * size_t(mine.rank()); first < cells.size(); first += step)
+        kept.insert(kept.end(), cells.begin() + ptrdiff_t(first), cells.begin() + ptrdiff_t(first + corners));
+      read.cells.points[size_t(type)] = std::move(kept);
+    }
+    const auto mesh = std::make_shared<Mesh>(describedMesh(whole.cells, whole.shift, whole.scale));
+    MeshBlockCounts counts;
+    mesh->blocks = distribute(std::move(read), partitioning, counts, mine);
+    mesh->report.cells = counts.cells;
+    mesh->report.points = counts.points;
+    meshes[size_t(mine.rank())] = mesh;
+  });
+  return meshes;
 }
 
 std::vector<std::shared_ptr<const Geometry>> distributed(const WholeGeometry& whole,

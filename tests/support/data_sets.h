@@ -9,6 +9,7 @@
 #include "core/data/partitioning.h"
 #include "core/data/replicate.h"
 #include "core/data/volume.h"
+#include "tests/support/meshes.h"
 
 namespace gxy::test {
 
@@ -30,6 +31,16 @@ WholeVolume sampledAsBytes(const Grid& grid, const std::function<double(glm::dve
 /// Returns each rank's volume after an import: blocks with ghosts, and summaries merged over all ranks.
 std::vector<std::shared_ptr<const Volume>> cut(const WholeVolume& whole, const Partitioning& partitioning,
                                                int ranks);
+
+/// All cells of an unstructured volume. A value is shift + scale * stored.
+struct WholeMesh {
+  MeshPiece cells;
+  double shift = 0, scale = 1;
+};
+
+/// Returns each rank's mesh after an import, where cells were read by the ranks in turn.
+std::vector<std::shared_ptr<const Mesh>> cut(const WholeMesh& whole, const Partitioning& partitioning,
+                                             int ranks);
 
 /// All primitives of a geometry, by ascending id.
 struct WholeGeometry {

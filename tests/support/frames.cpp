@@ -13,14 +13,19 @@ std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene, const 
     const Vis& vis = scene.visualization.operators.at(i);
     if (const auto* volume = std::get_if<std::shared_ptr<const WholeVolume>>(&scene.data[i])) {
       const auto parts = test::cut(**volume, *partitioning, cut.ranks);
-      for (size_t r = 0; r < parts.size(); r++) data[r].push_back({parts[r], nullptr, glm::dvec3(0.8)});
+      for (size_t r = 0; r < parts.size(); r++) data[r].emplace_back().volume = parts[r];
+    } else if (const auto* mesh = std::get_if<std::shared_ptr<const WholeMesh>>(&scene.data[i])) {
+      const auto parts = test::cut(**mesh, *partitioning, cut.ranks);
+      for (size_t r = 0; r < parts.size(); r++) data[r].emplace_back().mesh = parts[r];
     } else {
       const auto& geometry = *std::get<std::shared_ptr<const WholeGeometry>>(scene.data[i]);
       const bool flat = geometry.kind == GeometryKind::Triangles;
       const auto parts = distributed(
           geometry, *partitioning, [&](double value) { return flat ? 0 : radiusOf(vis, value); }, cut.ranks);
-      for (size_t r = 0; r < parts.size(); r++)
-        data[r].push_back({nullptr, parts[r], glm::dvec3(0.7, 0.6, 0.5)});
+      for (size_t r = 0; r < parts.size(); r++) {
+        data[r].emplace_back().geometry = parts[r];
+        data[r].back().color = {0.7, 0.6, 0.5};
+      }
     }
   }
   std::vector<std::shared_ptr<CompiledScene>> scenes;

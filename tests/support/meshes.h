@@ -2,8 +2,10 @@
 // Meshes of cells for tests.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <numeric>
 
 #include "core/data/mesh_blocks.h"
@@ -33,6 +35,40 @@ MeshPiece cubeOfTets(uint32_t n, Move&& move, Value&& value) {
     for (size_t k = 0; k < 6; k++)
       tets.insert(tets.end(), {p(0, 0, 0), around[k], around[(k + 1) % 6], p(1, 1, 1)});
   }
+  return mesh;
+}
+
+/// A mesh without blocks, with ranges, a box and a number of components.
+inline Mesh describedMesh(const MeshPiece& piece, double shift = 0, double scale = 1) {
+  Mesh mesh;
+  mesh.name = "mesh";
+  mesh.components = piece.components;
+  mesh.shift = shift, mesh.scale = scale;
+  const auto n = size_t(piece.components);
+  mesh.ranges.resize(n > 1 ? n + 1 : 1);
+  for (size_t p = 0; p < piece.points.size(); p++) {
+    double squares = 0;
+    for (size_t c = 0; c < n; c++) {
+      const double value = shift + scale * double(piece.values[p * n + c]);
+      mesh.ranges[c].extend(value);
+      squares += value * value;
+    }
+    if (n > 1) mesh.ranges[n].extend(std::sqrt(squares));
+  }
+  for (const auto& cells : piece.cells.points)
+    for (const uint32_t p : cells) mesh.box.extend(piece.points[p]);
+  return mesh;
+}
+
+/// The mesh in the one partition that is the whole domain; an empty domain is the box of the mesh.
+inline std::shared_ptr<Mesh> meshInOnePiece(MeshPiece piece, Box domain = {}, double shift = 0,
+                                            double scale = 1) {
+  auto mesh = std::make_shared<Mesh>(describedMesh(piece, shift, scale));
+  MeshBlockCounts counts;
+  mesh->blocks.emplace(
+      0, meshBlock(std::move(piece), Partitioning::single(domain.empty() ? mesh->box : domain), 0, counts));
+  mesh->report.cells = counts.cells;
+  mesh->report.points = counts.points;
   return mesh;
 }
 

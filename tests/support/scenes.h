@@ -18,7 +18,9 @@ struct TestScene {
   RenderSettings settings;
   Camera camera;
   /// The data of each operator.
-  std::vector<std::variant<std::shared_ptr<const WholeVolume>, std::shared_ptr<const WholeGeometry>>> data;
+  std::vector<std::variant<std::shared_ptr<const WholeVolume>, std::shared_ptr<const WholeGeometry>,
+                           std::shared_ptr<const WholeMesh>>>
+      data;
 };
 
 /// The domain of the scenes below. Its sides are unequal and its centre is not the origin.

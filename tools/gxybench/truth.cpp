@@ -191,10 +191,12 @@ Truth render(const State& state, const LoadedState& loaded, const Progress& prog
 }
 
 double smallestCell(const LoadedState& loaded) {
-  for (const OperatorData& data : loaded.data.at(0))
+  for (const OperatorData& data : loaded.data.at(0)) {
     if (data.volume)
       return std::min(
           {data.volume->grid.spacing.x, data.volume->grid.spacing.y, data.volume->grid.spacing.z});
+    if (data.mesh) return typicalLength(*data.mesh);
+  }
   return 0;
 }
 

@@ -35,6 +35,16 @@ void storeSteps(std::vector<Point>& points, double shift, double scale) {
   }
 }
 
+/// The same for all values in the Vis of a volume or a mesh; its maps are then over values.
+void storeFieldVis(Vis& vis, double shift, double scale) {
+  for (double& v : vis.isovalues) v = asStored(v, shift, scale);
+  vis.colormap = effectiveColorMap(vis);
+  vis.opacitymap = effectiveOpacityMap(vis);
+  vis.dataRange.reset();
+  storeSteps(vis.colormap.points, shift, scale);
+  storeSteps(vis.opacitymap.points, shift, scale);
+}
+
 }  // namespace
 
 reference::ReferenceScene referenceScene(const Visualization& visualization,
@@ -47,13 +57,10 @@ reference::ReferenceScene referenceScene(const Visualization& visualization,
                   visualization.operators[i].dataset + " is");
     if (data[i].volume) {
       scene.data.emplace_back(data[i].volume);
-      const Volume& volume = *data[i].volume;
-      for (double& v : vis.isovalues) v = asStored(v, volume.shift, volume.scale);
-      vis.colormap = effectiveColorMap(vis);
-      vis.opacitymap = effectiveOpacityMap(vis);
-      vis.dataRange.reset();
-      storeSteps(vis.colormap.points, volume.shift, volume.scale);
-      storeSteps(vis.opacitymap.points, volume.shift, volume.scale);
+      storeFieldVis(vis, data[i].volume->shift, data[i].volume->scale);
+    } else if (data[i].mesh) {
+      scene.data.emplace_back(data[i].mesh);
+      storeFieldVis(vis, data[i].mesh->shift, data[i].mesh->scale);
     } else {
       scene.data.emplace_back(data[i].geometry);
       vis.colormap = effectiveColorMap(vis);

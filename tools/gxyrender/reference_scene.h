@@ -9,7 +9,8 @@
 
 namespace gxy {
 
-/// Makes a scene from a visualization and its data, which must be in one partition.
+/// Makes a scene from a visualization and its data, which must be in one partition; meshes may be in several, with all
+/// blocks present.
 reference::ReferenceScene referenceScene(const Visualization& visualization,
                                          std::span<const OperatorData> data, const RenderSettings& settings);
 
