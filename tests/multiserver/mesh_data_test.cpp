@@ -87,7 +87,9 @@ TEST(MeshData, AFileOfTetrahedraIsAVolumeOnAnyNumberOfRanks) {
       EXPECT_EQ(dataset->bytes, bytesOf(*dataset->mesh));
       EXPECT_EQ(server.serverRank(rank).ledger.total("user"), dataset->bytes);
       for (const auto& line : server.serverRank(rank).ledger.snapshot()) {
-        if (line.tenant == "user") EXPECT_EQ(line.purpose, "volume");
+        if (line.tenant == "user") {
+          EXPECT_EQ(line.purpose, "volume");
+        }
       }
       bytes += dataset->bytes;
     }
