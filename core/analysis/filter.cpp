@@ -24,6 +24,7 @@ void checkTypes(const FilterSchema& schema, const FilterRun& run) {
   for (const auto& [port, list] : run.inputs()) {
     FilterInput& input = entry.inputs.emplace_back(FilterInput{port, {}});
     for (const FilterSource& source : list) {
+      refuseMesh(*source.data, source.name, "filter " + schema.name);
       input.datasets.push_back(source.name);
       types[source.name] = typeOf(*source.data);
     }

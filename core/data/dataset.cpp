@@ -29,6 +29,13 @@ Range Dataset::range() const {
 }
 int Dataset::components() const { return volume ? volume->components : mesh ? mesh->components : 1; }
 
+void refuseMesh(const Dataset& dataset, const std::string& name, const std::string& what) {
+  if (dataset.mesh)
+    throw Error(what + ": \"" + name +
+                "\" is an unstructured volume, which is not supported here yet; expected a volume on a "
+                "uniform grid or geometry");
+}
+
 int64_t newestStep(const Dataset& dataset) {
   int64_t newest = 0;
   for (const Origin& origin : dataset.origins) newest = std::max(newest, origin.step);

@@ -76,6 +76,10 @@ struct Dataset {
   int components() const;
 };
 
+/// Throws Error if a dataset is an unstructured volume, because `what`, such as "export", does not take these yet. `name`: of the
+/// dataset.
+void refuseMesh(const Dataset& dataset, const std::string& name, const std::string& what);
+
 /// Returns the newest step of the sources of a dataset; 0 if it has none.
 int64_t newestStep(const Dataset& dataset);
 

@@ -259,6 +259,13 @@ class BlockMaker {
 
 }  // namespace
 
+int64_t bytesOf(const MeshPiece& piece) {
+  size_t bytes = piece.points.size() * sizeof(glm::dvec3) + piece.values.size() * sizeof(float) +
+                 piece.numbers.size() * sizeof(uint64_t);
+  for (const auto& cells : piece.cells.points) bytes += cells.size() * sizeof(uint32_t);
+  return int64_t(bytes);
+}
+
 void validate(const MeshPiece& piece) {
   checkSizes(piece);
   if (!std::all_of(piece.points.begin(), piece.points.end(), isFinite))

@@ -11,6 +11,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <map>
 #include <span>
@@ -33,6 +34,9 @@ struct MeshPiece {
   int components = 1;
   MeshCells cells;
 };
+
+/// Its memory in bytes.
+int64_t bytesOf(const MeshPiece& piece);
 
 /// Throws Error unless a piece has a value and a number for each point, whole cells of existing points, and finite coordinates.
 void validate(const MeshPiece& piece);
@@ -79,9 +83,10 @@ void takeSettledValues(std::map<int, MeshBlock>& blocks, const Partitioning& par
                        std::span<const Bytes> received);
 
 /// Collective. Returns the blocks of all partitions of this rank to which cells belong, of the cells that all ranks have read. `counts`
-/// is of the whole mesh on every rank, but for `differing`. Tells ranks.done() how far it is. If any rank fails, all throw the same
-/// Error.
+/// is of the whole mesh on every rank, but for `differing`. Tells ranks.done() how far it is. `toTake`, if not empty, is called with the
+/// bytes of messages, and then with those of blocks in the making, before they are taken; it may refuse them by throwing Error. If any
+/// rank fails, all throw the same Error.
 std::map<int, MeshBlock> distribute(MeshPiece read, const Partitioning& partitioning, MeshBlockCounts& counts,
-                                    Collectives& ranks);
+                                    Collectives& ranks, const std::function<void(int64_t)>& toTake = {});
 
 }  // namespace gxy

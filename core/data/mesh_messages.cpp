@@ -277,15 +277,20 @@ void takeSettledValues(std::map<int, MeshBlock>& blocks, const Partitioning& par
 }
 
 std::map<int, MeshBlock> distribute(MeshPiece read, const Partitioning& partitioning, MeshBlockCounts& counts,
-                                    Collectives& ranks) {
+                                    Collectives& ranks, const std::function<void(int64_t)>& toTake) {
   std::vector<Bytes> messages;
   agree(ranks, [&] {
+    if (toTake) toTake(bytesOf(read));
     messages = packForOwners(read, partitioning, ranks.size(), advanceOf(ranks, 0, 0.5));
     read = {};
   });
   std::vector<Bytes> received = ranks.allToAll(std::move(messages));
   std::map<int, MeshBlock> blocks;
   agree(ranks, [&] {
+    // Of a tetrahedron a message has 16 bytes, and the block in the making twice as many and 64 for its faces.
+    int64_t bytes = 0;
+    for (const Bytes& message : received) bytes += int64_t(message.size());
+    if (toTake) toTake(4 * bytes);
     blocks = unpackMesh(partitioning, ranks.rank(), received, counts, advanceOf(ranks, 0.5));
     received.clear();
   });

@@ -20,6 +20,7 @@
 #include "core/io/color_arrays.h"
 #include "core/io/drawn_cells.h"
 #include "core/io/file.h"
+#include "core/io/listed_arrays.h"
 #include "core/io/part_document.h"
 #include "core/io/values_choice.h"
 #include "core/io/vtk_geometry.h"
@@ -34,23 +35,6 @@ double magnitude(vtkDataArray* array, vtkIdType i) {
   for (int c = 0; c < array->GetNumberOfComponents(); ++c)
     sum += array->GetComponent(i, c) * array->GetComponent(i, c);
   return std::sqrt(sum);
-}
-
-ListedArrays listOf(vtkDataSetAttributes* data) {
-  const auto nameOf = [](vtkDataArray* array) {
-    return std::string(array && array->GetName() ? array->GetName() : "");
-  };
-  ListedArrays list{{}, nameOf(data->GetScalars()), nameOf(data->GetNormals()), nameOf(data->GetTCoords())};
-  for (int i = 0; i < data->GetNumberOfArrays(); ++i)
-    if (vtkDataArray* array = data->GetArray(i); array && array->GetName())
-      list.arrays.push_back({array->GetName(), array->GetNumberOfComponents(), isColors(array)});
-  return list;
-}
-
-std::string namesOf(const ListedArrays& list) {
-  std::string names;
-  for (const auto& array : list.arrays) names += (names.empty() ? "'" : ", '") + array.name + "'";
-  return names.empty() ? "none" : names;
 }
 
 /// Returns the array of values among the arrays that have been read; null if the file has no values.
@@ -221,12 +205,12 @@ std::vector<std::string> geometryPieces(const std::string& path) {
   return files;
 }
 
-std::optional<ValuesWanted> valuesOfList(const std::string& path) {
+std::optional<ValuesWanted> valuesOfList(const std::string& path, std::optional<bool> wantedOfCells) {
   const std::string extension = extensionOf(path);
   if (extension != ".pvtu" && extension != ".pvtp") return {};
   const auto [points, cells] =
       arraysOfXmlList(path, extension == ".pvtu" ? "PUnstructuredGrid" : "PPolyData");
-  const std::optional<ChosenArray> chosen = chooseValues(points, cells, ValuesWanted());
+  const std::optional<ChosenArray> chosen = chooseValues(points, cells, ValuesWanted({}, wantedOfCells));
   if (!chosen) return {};
   return ValuesWanted{chosen->name, chosen->ofCells, true};
 }

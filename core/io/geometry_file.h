@@ -55,8 +55,8 @@ std::vector<std::string> geometryPieces(const std::string& path);
 std::vector<std::string> xmlPieces(const std::string& path, const char* type);
 
 /// Returns the values that all pieces of a list have, as the list declares their arrays; nothing if it
-/// declares none.
-std::optional<ValuesWanted> valuesOfList(const std::string& path);
+/// declares none. `ofCells`: as in ValuesWanted.
+std::optional<ValuesWanted> valuesOfList(const std::string& path, std::optional<bool> ofCells = {});
 
 /// Reads one file that is not a list. Several components of `values` become their magnitude, unless they are
 /// colours. Normals are the point array "Normals" or "Normals_", or the active normals. `values.fields` name arrays of points that

@@ -49,11 +49,13 @@ std::optional<ChosenArray> chooseValues(const ListedArrays& points, const Listed
     if (cells.has(wanted.array) && wanted.ofCells.value_or(true)) return ChosenArray{wanted.array, true};
     return {};
   }
-  if (hasScalars(points)) return ChosenArray{points.scalars, false};
-  if (hasScalars(cells)) return ChosenArray{cells.scalars, true};
+  const bool mayBeOfPoints = !wanted.ofCells.value_or(false), mayBeOfCells = wanted.ofCells.value_or(true);
+  if (mayBeOfPoints && hasScalars(points)) return ChosenArray{points.scalars, false};
+  if (mayBeOfCells && hasScalars(cells)) return ChosenArray{cells.scalars, true};
   for (const bool colors : {false, true}) {
-    if (const auto name = usual(points, colors)) return ChosenArray{*name, false};
-    if (const auto name = usual(cells, colors)) return ChosenArray{*name, true};
+    if (const auto name = mayBeOfPoints ? usual(points, colors) : std::nullopt)
+      return ChosenArray{*name, false};
+    if (const auto name = mayBeOfCells ? usual(cells, colors) : std::nullopt) return ChosenArray{*name, true};
   }
   return {};
 }

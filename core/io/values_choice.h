@@ -54,7 +54,7 @@ bool isColors(std::string_view name, ScalarType type, int components);
 /// Returns the array of points with the wanted name, or else that of cells. If no name is wanted, it is the
 /// first of these that exists: the active scalars of points; those of cells; the array of points called
 /// "data"; the first array of points; the same two for cells; the same four among arrays of colours, which
-/// are not considered before. Normals, texture coordinates and vtkGhostType are chosen only by name. Returns
+/// are not considered before. Of these only those of points or of cells count if `wanted.ofCells` says so. Normals, texture coordinates and vtkGhostType are chosen only by name. Returns
 /// nothing if there is no such array.
 std::optional<ChosenArray> chooseValues(const ListedArrays& points, const ListedArrays& cells,
                                         const ValuesWanted& wanted);

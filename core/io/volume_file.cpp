@@ -59,7 +59,9 @@ bool isVolumeFile(const std::string& path) {
 }
 
 std::string readableFormats() {
-  return "volumes as .vti .pvti .vtk .vol .json .mha .mhd .nrrd .nhdr .nii .nii.gz .npy, geometry as .vtu "
+  return "volumes as .vti .pvti .vtk .vol .json .mha .mhd .nrrd .nhdr .nii .nii.gz .npy, of tetrahedra as "
+         ".vtu .pvtu "
+         ".vtk, geometry as .vtu "
          ".pvtu .vtp .pvtp .vts .vtr .vtk .ply .stl .obj .off .csv .xyz .part";
 }
 
@@ -83,7 +85,7 @@ VolumeFile openVolume(const std::string& path, const std::string& array, const R
   if (extension == ".pvti") return openPvti(path, array);
   if (extension == ".vtk") return openLegacyVolume(path, array);
   if (isImageFile(path)) return openImageFile(path, options);
-  throw Error(path + ": this kind of file cannot be read: expected " + readableFormats());
+  throw Error(path + ": this kind of file cannot be read as a volume: expected " + readableFormats());
 }
 
 VolumeFile withComponents(VolumeFile file, std::vector<int> components) {

@@ -31,7 +31,9 @@ std::vector<std::string> xmlPieces(const std::string& path, const char* type) {
 
 std::vector<std::string> geometryPieces(const std::string& path) { return vtk(path).geometryPieces(path); }
 
-std::optional<ValuesWanted> valuesOfList(const std::string& path) { return vtk(path).valuesOfList(path); }
+std::optional<ValuesWanted> valuesOfList(const std::string& path, std::optional<bool> ofCells) {
+  return vtk(path).valuesOfList(path, ofCells);
+}
 
 GeometryContent readGeometry(const std::string& path, GeometryKind kind, const ValuesWanted& values,
                              const TakeMemory& toTake) {
@@ -43,6 +45,10 @@ GeometrySummary summariseGeometry(const std::string& path, const TakeMemory& toT
 }
 
 GeometryKind likelyKind(const GeometrySummary& summary) { return vtk("geometry").likelyKind(summary); }
+
+MeshContent readMesh(const std::string& path, const MeshWanted& wanted, const TakeMemory& toTake) {
+  return vtk(path).readMesh(path, wanted, toTake);
+}
 
 void writeGeometry(const std::string& path, const GeometryBlock& block, GeometryKind kind,
                    const std::string& array, const GeometryBlock* whole) {

@@ -14,6 +14,7 @@ const gxy::VtkPlugin table = {.shareReadRules = gxy::shareReadRules,
                               .readGeometry = gxy::readGeometry,
                               .summariseGeometry = gxy::summariseGeometry,
                               .likelyKind = gxy::likelyKind,
+                              .readMesh = gxy::readMesh,
                               .writeGeometry = gxy::writeGeometry,
                               .copyGeometry = gxy::copyGeometry,
                               .writeGeometryPieces = gxy::writeGeometryPieces};

@@ -6,6 +6,7 @@
 #pragma once
 #include "core/io/file.h"
 #include "core/io/geometry_file.h"
+#include "core/io/mesh_file.h"
 #include "core/io/volume_formats.h"
 #include "core/io/write_geometry.h"
 
@@ -21,6 +22,7 @@ struct VtkPlugin {
   decltype(&gxy::readGeometry) readGeometry;
   decltype(&gxy::summariseGeometry) summariseGeometry;
   decltype(&gxy::likelyKind) likelyKind;
+  decltype(&gxy::readMesh) readMesh;
   decltype(&gxy::writeGeometry) writeGeometry;
   decltype(&gxy::copyGeometry) copyGeometry;
   decltype(&gxy::writeGeometryPieces) writeGeometryPieces;

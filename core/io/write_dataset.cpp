@@ -64,6 +64,7 @@ void checkFileFor(const std::optional<GeometryKind>& kind, const std::string& fi
 }
 
 int64_t gatheringBytes(const Dataset& dataset, bool root) {
+  if (dataset.mesh) refuseMesh(dataset, dataset.mesh->name, "writing a dataset");
   if (dataset.volume) {
     const int64_t slice = gatheredSliceBytes(*dataset.volume);
     return 2 * std::min(std::max(kSlabBytes, slice), slice * gatheredPoints(dataset.volume->grid)[2]);
@@ -79,8 +80,10 @@ int64_t gatheringBytes(const Dataset& dataset, bool root) {
 std::string arrayName(const Dataset& dataset) {
   if (dataset.geometry && !dataset.geometry->array.empty()) return dataset.geometry->array;
   if (!dataset.array.empty()) return dataset.array;
-  std::string name = dataset.volume ? dataset.volume->name : dataset.geometry->name;
-  if (!dataset.file.empty()) {  // FILE:ARRAY of a volume, FILE of geometry
+  std::string name = dataset.volume ? dataset.volume->name
+                     : dataset.mesh ? dataset.mesh->name
+                                    : dataset.geometry->name;
+  if (!dataset.file.empty()) {  // FILE:ARRAY of a volume or a mesh, FILE of geometry
     const size_t file = std::filesystem::path(dataset.file).stem().string().size();
     name = name.size() > file ? name.substr(file + 1) : "";
   }

@@ -93,7 +93,8 @@ void XmlArrays::choose(const std::vector<vtkXMLDataElement*>& pieces, const Arra
   if (const auto values = chooseValues(points, cells, needed.values))
     (values->ofCells ? chosenOfCells_ : chosen_).insert(values->name);
   else
-    all_ = !needed.values.array.empty() && !needed.values.orNone;  // The error lists them.
+    // The error lists them.
+    all_ = (!needed.values.array.empty() || needed.values.ofCells) && !needed.values.orNone;
   all_ = all_ || (!needed.values.radii.empty() && !points.has(needed.values.radii));
   for (const std::string& field : needed.values.fields) all_ = all_ || !points.has(field);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/look/loaded_facts.h"
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -13,11 +14,19 @@ DataFacts factsOf(const Volume& volume) {
   return {box, box, volume.ranges, 0, {}};
 }
 
+DataFacts factsOf(const Mesh& mesh) { return {mesh.box, mesh.box, mesh.ranges, 0, {}}; }
+
 DataFacts factsOf(const OwnedGeometry& geometry) {
   DataFacts facts{geometry.box, geometry.middle, {geometry.range}, geometry.spacing, {}};
   for (const PointFieldInfo& f : geometry.fields)
     if (f.name != geometry.array || f.components > 1) facts.fields[f.name] = f.ranges;
   return facts;
+}
+
+DataFacts factsOf(const Dataset& dataset) {
+  return dataset.volume ? factsOf(*dataset.volume)
+         : dataset.mesh ? factsOf(*dataset.mesh)
+                        : factsOf(*dataset.geometry);
 }
 
 double shownValue(const std::byte* sample, ScalarType type, int components) {
@@ -73,6 +82,37 @@ std::vector<float> sampleOf(const Volume& volume, const Partitioning& partitioni
   return values;
 }
 
+namespace {
+
+/// A number that looks random, and that a place alone decides.
+uint64_t drawnAt(const glm::dvec3& place) {
+  uint64_t drawn = 0;
+  for (int a = 0; a < 3; a++) {
+    drawn = (drawn ^ std::bit_cast<uint64_t>(place[a])) * 0x9e3779b97f4a7c15;
+    drawn ^= drawn >> 32;
+  }
+  return drawn;
+}
+
+}  // namespace
+
+std::vector<float> sampleOf(const Mesh& mesh, const Partitioning& partitioning) {
+  std::vector<float> values;
+  const uint64_t stride = mesh.report.points / kSampledValues + 1;
+  const auto components = size_t(mesh.components);
+  for (const auto& [partition, block] : mesh.blocks)
+    for (size_t p = 0; p < block.points.size(); p++) {
+      if (stride > 1 && drawnAt(block.points[p]) % stride != 0) continue;
+      if (partitioning.nearest(block.points[p]) != partition) continue;
+      const double value =
+          mesh.shift +
+          mesh.scale * shownValue(reinterpret_cast<const std::byte*>(block.values.data() + p * components),
+                                  ScalarType::Float32, mesh.components);
+      if (std::isfinite(value)) values.push_back(float(value));
+    }
+  return values;
+}
+
 std::vector<float> sampleOf(const OwnedGeometry& geometry) {
   std::vector<float> values;
   const GeometryBlock& block = geometry.block;
@@ -83,6 +123,12 @@ std::vector<float> sampleOf(const OwnedGeometry& geometry) {
     if (block.ids[p] % stride == 0 && std::isfinite(value)) values.push_back(value);
   }
   return values;
+}
+
+std::vector<float> sampleOf(const Dataset& dataset) {
+  return dataset.volume ? sampleOf(*dataset.volume, *dataset.partitioning)
+         : dataset.mesh ? sampleOf(*dataset.mesh, *dataset.partitioning)
+                        : sampleOf(*dataset.geometry);
 }
 
 }  // namespace gxy

@@ -3,6 +3,7 @@
 #pragma once
 #include <optional>
 
+#include "core/data/dataset.h"
 #include "core/data/owned_geometry.h"
 #include "core/data/volume.h"
 #include "core/scene/resolve.h"
@@ -10,14 +11,18 @@
 namespace gxy {
 
 DataFacts factsOf(const Volume& volume);
+DataFacts factsOf(const Mesh& mesh);
 DataFacts factsOf(const OwnedGeometry& geometry);
+DataFacts factsOf(const Dataset& dataset);
 
 /// Returns this rank's part of a sample for LookFacts of the values that operators show by default: the
 /// value, or the magnitude of several components. A volume is sampled on a lattice of at most kSampledPerAxis
-/// points along each axis, geometry at kSampledValues primitives at most on all ranks. The samples of all
+/// points along each axis, geometry at kSampledValues primitives at most on all ranks, and a mesh at about as many points. The samples of all
 /// ranks together do not depend on the number of ranks.
 std::vector<float> sampleOf(const Volume& volume, const Partitioning& partitioning);
+std::vector<float> sampleOf(const Mesh& mesh, const Partitioning& partitioning);
 std::vector<float> sampleOf(const OwnedGeometry& geometry);
+std::vector<float> sampleOf(const Dataset& dataset);
 
 inline constexpr int64_t kSampledPerAxis = 48;
 inline constexpr uint64_t kSampledValues = 1 << 17;

@@ -34,8 +34,8 @@ RenderSpace renderSpaceOf(const Partitioning& partitioning);
 /// data/replicate.h). One of the three is set.
 struct OperatorData {
   std::shared_ptr<const Volume> volume;
-  std::shared_ptr<const Mesh> mesh;  ///< an unstructured volume
-  std::shared_ptr<const Geometry> geometry;
+  std::shared_ptr<const Mesh> mesh{};  ///< an unstructured volume
+  std::shared_ptr<const Geometry> geometry{};
   glm::dvec3 color{0.8};  ///< colour of geometry without values
 };
 

@@ -31,6 +31,7 @@ json adoptHere(ServerRank& serverRank, const json& p) {
     adopted->color = from->color;
     adopted->partitioning = from->partitioning;
     adopted->volume = from->volume;
+    adopted->mesh = from->mesh;
     adopted->geometry = from->geometry;
     adopted->origins = from->origins;
     adopted->time = from->time;

@@ -64,6 +64,7 @@ SceneSource SceneCache::sourceOf(const json& p) const {
     if (const auto color = d.find("color"); color != d.end())
       for (int c = 0; c < 3; c++) shown.data.color[c] = color->at(size_t(c)).get<double>();
     shown.data.volume = dataset->volume;
+    shown.data.mesh = dataset->mesh;
     if (!dataset->geometry) continue;
     const auto tenant = p.at("tenant").get<std::string>();  // whose memory it takes
     shown.geometry = {tenant + " " + d.at("id").get<std::string>(), dataset->geometry};
@@ -185,7 +186,7 @@ SceneCache::HeldData SceneCache::hold(const std::string& tenant, const Visualiza
   std::vector<DataFacts> facts;
   for (const Pin& pin : held.pins) {
     const auto content = pin.get<Dataset>();
-    facts.push_back(content->volume ? factsOf(*content->volume) : factsOf(*content->geometry));
+    facts.push_back(factsOf(*content));
   }
   held.resolved = resolved(visualization, facts, shown);
   return held;

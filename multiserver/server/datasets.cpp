@@ -69,6 +69,31 @@ json DatasetEvent::json() const {
   return json;
 }
 
+namespace {
+
+// What there is of a mesh, and what is remarkable in it.
+json told(const MeshReport& report) {
+  json told{{"points", report.points}};
+  uint64_t cells = 0;
+  for (const uint64_t ofType : report.cells) cells += ofType;
+  told["cells"] = cells;
+  const auto add = [&](const char* name, uint64_t count) {
+    if (count > 0) told[name] = count;
+  };
+  add("flat cells", report.flatCells);
+  add("ghost cells", report.ghostCells);
+  add("repeated cells", report.repeatedCells);
+  add("degenerate cells", report.degenerateCells);
+  add("unusable cells", report.unusableCells);
+  add("merged points", report.mergedPoints);
+  add("differing points", report.differingPoints);
+  add("crowded faces", report.crowdedFaces);
+  add("points without data", report.noDataPoints);
+  return told;
+}
+
+}  // namespace
+
 Datasets::Datasets(ServerRank& serverRank) : serverRank_(serverRank) {
   if (serverRank_.rank() == 0)
     subscription_ =
@@ -115,6 +140,7 @@ json Datasets::infoHere(const json& parameters) const {
   if (!std::isnan(d->time)) result["time"] = d->time;
   if (!d->provenance.filter.empty()) result["provenance"] = described(d->provenance);
   if (d->volume) result["points"] = d->volume->grid.points;
+  if (d->mesh) result["mesh"] = told(d->mesh->report);
   if (d->geometry) {
     result["primitives"] = d->geometry->primitives;
     if (!d->geometry->fields.empty()) result["fields"] = toldOf(d->geometry->fields);

@@ -12,6 +12,7 @@
 #include "core/data/partitioning_bytes.h"
 #include "core/io/automatic_partitioning.h"
 #include "core/io/import_geometry.h"
+#include "core/io/import_mesh.h"
 #include "core/io/import_volume.h"
 #include "core/scene/json_text.h"
 #include "multiserver/server/datasets.h"
@@ -95,7 +96,11 @@ struct Importing {
   std::shared_ptr<Dataset> dataset = std::make_shared<Dataset>();
   DatasetType type = DatasetType::Volume;
   std::string name;
+  bool isMesh = false;    // of a volume: it is unstructured
   LoadedGeometry loaded;  // of a geometry, until it has a partitioning
+  LoadedMesh loadedMesh;  // of an unstructured volume, until it has a partitioning
+
+  bool isOnGrid() const { return type == DatasetType::Volume && !isMesh; }
 };
 
 // The part of an import that one rank does. All ranks call the same functions in the same order and make the
@@ -127,10 +132,17 @@ class ImportPart {
     });
   }
 
-  // Reads the grids of volumes.
+  // Finds out which volumes are unstructured, and reads the grids of the others.
   void openVolumes() {
+    std::vector<uint8_t> meshes(importing_.size(), 0);
+    agree(ranks_, [&] {
+      for (size_t i = 0; i < importing_.size(); i++)
+        meshes[i] = importing_[i].type == DatasetType::Volume && isMeshFile(importing_[i].dataset->file);
+    });
+    meshes = gatherValues(ranks_, std::span<const uint8_t>(meshes)).at(0);
+    for (size_t i = 0; i < importing_.size(); i++) importing_[i].isMesh = meshes[i] != 0;
     for (const Importing& one : importing_) {
-      if (one.type != DatasetType::Volume) continue;
+      if (!one.isOnGrid()) continue;
       begin("opening ", one);
       const Grid grid = gridOf(one.dataset->file, one.dataset->array, ranks_, &warnings);
       box.extend(grid.box());
@@ -138,13 +150,14 @@ class ImportPart {
     }
   }
 
-  void readGeometry() {
+  // Reads geometry and unstructured volumes.
+  void readCells() {
     for (Importing& one : importing_) {
-      if (one.type == DatasetType::Volume) continue;
+      if (one.isOnGrid()) continue;
       begin("reading ", one);
-      read(one);
-      box.extend(one.loaded.geometry.box);
-      finished_++;
+      one.isMesh ? readMesh(one) : readGeometry(one);
+      box.extend(one.isMesh ? one.loadedMesh.box : one.loaded.geometry.box);
+      if (!one.isMesh) finished_++;
     }
   }
 
@@ -156,7 +169,8 @@ class ImportPart {
         keepGeometry(one);
       } else {
         begin("importing ", one, std::exchange(isFirst, false));
-        readSamples(one);
+        one.isMesh ? distributeMesh(one) : readSamples(one);
+        finished_++;
       }
     }
   }
@@ -166,7 +180,7 @@ class ImportPart {
       publication.stage(i, Payload(std::shared_ptr<const Dataset>(std::move(importing_[i].dataset))));
   }
 
-  Box box;                            // of what openVolumes() and readGeometry() have read
+  Box box;                            // of what openVolumes() and readCells() have read
   std::optional<Grid> firstGrid;      // of the first volume
   std::vector<std::string> warnings;  // on rank 0
 
@@ -175,7 +189,7 @@ class ImportPart {
     part_.begin(finished_, int64_t(importing_.size()), what + one.name, phase);
   }
 
-  void read(Importing& one) {
+  void readGeometry(Importing& one) {
     Dataset& d = *one.dataset;
     std::vector<LedgerEntry> reading;  // until it is known what is kept
     ValuesWanted wanted(d.array);
@@ -189,6 +203,31 @@ class ImportPart {
       reading.clear();
       d.memory = serverRank_.takeMemory(tenant_, "geometry", bytesOf(one.loaded.geometry.block));
     });
+  }
+
+  void readMesh(Importing& one) {
+    Dataset& d = *one.dataset;
+    std::vector<LedgerEntry> reading;  // until it is known what is kept
+    one.loadedMesh = loadMesh(
+        d.file, d.array, ranks_,
+        [&](int64_t bytes) { reading.push_back(serverRank_.takeMemory(tenant_, "volume", bytes)); },
+        &warnings);
+    agree(ranks_, [&] {
+      reading.clear();
+      d.memory = serverRank_.takeMemory(tenant_, "volume", bytesOf(one.loadedMesh.piece));
+    });
+  }
+
+  void distributeMesh(Importing& one) {
+    Dataset& d = *one.dataset;
+    std::vector<LedgerEntry> onTheWay;
+    d.mesh = meshOf(
+        std::move(one.loadedMesh), *d.partitioning, ranks_,
+        [&](int64_t bytes) { onTheWay.push_back(serverRank_.takeMemory(tenant_, "volume", bytes)); },
+        &warnings);
+    d.bytes = bytesOf(*d.mesh);
+    onTheWay.clear();
+    d.memory.resize(d.bytes);
   }
 
   void keepGeometry(Importing& one) {
@@ -210,7 +249,6 @@ class ImportPart {
     d.volume = importVolume(std::move(file), *d.partitioning, kGhostLayers, ranks_, {}, nullptr, like_);
     d.bytes = gxy::bytesOf(*d.volume);
     d.memory.resize(d.bytes);
-    finished_++;
   }
 
   ServerRank& serverRank_;
@@ -257,7 +295,7 @@ json Datasets::importHere(const json& p) {
   import.openVolumes();
   // This takes older data away from whoever still shows them. So files without such data fail before it.
   publication.reserve();
-  import.readGeometry();
+  import.readCells();
   import.takePartitioning(
       agreedPartitioning(p, import.box, import.firstGrid ? &*import.firstGrid : nullptr, ranks));
   import.stage(publication);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Module viewer: data that no state describes, and what states ask of the data.
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <future>
@@ -9,11 +10,38 @@
 #include "core/scene/resolve.h"
 #include "core/scene/state_file.h"
 #include "tests/multiserver/viewer_client.h"
+#include "tests/support/mesh_files.h"
+#include "tests/support/meshes.h"
 
 namespace gxy::test {
 namespace {
 
 using nlohmann::json;
+
+TEST(ViewerLooks, AMeshsPictureIsTheSameToTheBitForAnyNumberOfRanks) {
+  const MeshPiece mesh = cubeOfTets(
+      5, [](const glm::dvec3& p) { return 0.05 * glm::dvec3(p.y, p.z * p.x, p.x); },
+      [](const glm::dvec3& p) { return std::sin(5 * p.x) * std::cos(4 * p.y) + p.z; });
+  std::vector<uint8_t> expected;
+  json scene;
+  for (const int ranks : {1, 3}) {
+    const auto server = serve(ranks);
+    std::ofstream(server->folder() / "cube.vtu")
+        << gridOfTets(mesh, 0, mesh.cells.size(CellType::Tetrahedron)).vtu();
+    Viewer viewer(*server);
+    viewer.client->expect(R"(import {"Datasets": {"name": "m", "filename": "cube.vtu", "type": "Volume"}})");
+    json state = viewer.client->expect("scene m").at("state");
+    EXPECT_EQ(state["Datasets"][0]["type"], "Volume");
+    state.erase("Datasets");  // the server's folder
+    if (scene.is_null()) scene = state;
+    EXPECT_EQ(state, scene) << ranks;
+    viewer.client->expect("set 1 " + state.dump());
+    const Screen::Picture picture = viewer.frame();
+    if (expected.empty()) expected = picture.rgba;
+    EXPECT_EQ(picture.rgba, expected) << ranks;
+  }
+  EXPECT_GT(std::set<uint8_t>(expected.begin(), expected.end()).size(), 50u) << "there is something to see";
+}
 
 TEST(ViewerLooks, AScenesPictureIsTheSameToTheBitForAnyNumberOfRanks) {
   std::vector<uint8_t> expected;

@@ -10,6 +10,7 @@
 #include "core/comm/error.h"
 #include "core/io/automatic_partitioning.h"
 #include "core/io/import_geometry.h"
+#include "core/io/import_mesh.h"
 #include "core/io/import_volume.h"
 #include "core/scene/dataset_type.h"
 
@@ -75,9 +76,14 @@ class Loader {
 
   /// Finds out what is where, before anything is cut: reads grids, and geometry as each rank gets it.
   void open(LeftOut& leftOut) {
+    findMeshes();
     for (const DatasetSpec& d : state_.datasets) {
       if (!isRead(d)) continue;
-      if (d.type == DatasetType::Volume) {
+      if (isMesh(d)) {
+        const LoadedMesh& m = meshes_[d.name] = loadMesh(pathOf(d), d.array, ranks_);
+        leftOut += m.leftOut;
+        domain_.extend(m.box);
+      } else if (d.type == DatasetType::Volume) {
         const Grid grid = gridOf(pathOf(d), d.array, ranks_);
         domain_.extend(grid.box());
         if (!first_) first_ = grid;
@@ -101,7 +107,7 @@ class Loader {
   /// Reads volumes, of those that only operators show only the components that these show.
   void readVolumes(const std::map<std::string, std::vector<int>>& components, LeftOut& leftOut) {
     for (const DatasetSpec& d : state_.datasets)
-      if (isRead(d) && d.type == DatasetType::Volume) {
+      if (isRead(d) && d.type == DatasetType::Volume && !isMesh(d)) {
         const auto kept = components.find(d.name);
         const auto dataset = newDataset(d);
         dataset->volume =
@@ -110,6 +116,17 @@ class Loader {
         dataset->memory = ledger_.enter(kTenant, "volume", bytesOf(*dataset->volume));
         datasets_[d.name] = dataset;
       }
+  }
+
+  bool isMesh(const DatasetSpec& d) const { return meshes_.count(d.name) > 0; }
+
+  void distributeMeshes() {
+    for (auto& [name, m] : meshes_) {
+      const auto dataset = newDataset(*specs_.at(name));
+      dataset->mesh = meshOf(std::move(m), *partitioning_, ranks_);
+      dataset->memory = ledger_.enter(kTenant, "volume", bytesOf(*dataset->mesh));
+      datasets_[name] = dataset;
+    }
   }
 
   void keepGeometry() {
@@ -162,6 +179,20 @@ class Loader {
   std::string pathOf(const DatasetSpec& d) const {
     const std::filesystem::path p(d.filename);
     return p.is_absolute() ? p.string() : (std::filesystem::path(directory_) / p).string();
+  }
+
+  /// Finds out which volumes to be read are unstructured. What rank 0 finds counts.
+  void findMeshes() {
+    std::vector<uint8_t> found(state_.datasets.size(), 0);
+    agree(ranks_, [&] {
+      for (size_t i = 0; i < found.size(); i++) {
+        const DatasetSpec& d = state_.datasets[i];
+        found[i] = isRead(d) && d.type == DatasetType::Volume && isMeshFile(pathOf(d));
+      }
+    });
+    found = gatherValues(ranks_, std::span<const uint8_t>(found)).at(0);
+    for (size_t i = 0; i < found.size(); i++)
+      if (found[i]) meshes_[state_.datasets[i].name];
   }
 
   /// Collects what operators show, what becomes files, and what these are made of.
@@ -221,6 +252,7 @@ class Loader {
   Box domain_;
   std::optional<Grid> first_;
   std::map<std::string, LoadedGeometry> read_;
+  std::map<std::string, LoadedMesh> meshes_;  ///< what has been read of unstructured volumes
   std::shared_ptr<const Partitioning> partitioning_;
   std::map<std::string, uint64_t> keys_;  ///< of objects, as a server would have them
   std::map<std::string, std::shared_ptr<const Dataset>> datasets_;
@@ -238,14 +270,16 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   loaded.partitioning = loader.partitioning();
   loaded.components = componentsShown(state);
   std::erase_if(loaded.components, [&](const auto& kept) {
-    return loader.isInput(kept.first) || !loader.spec(kept.first).filter.empty();
+    const DatasetSpec& d = loader.spec(kept.first);
+    return loader.isInput(kept.first) || !d.filter.empty() || loader.isMesh(d);
   });
   loader.readVolumes(loaded.components, loaded.leftOut);
+  loader.distributeMeshes();
   loader.keepGeometry();
   loader.makeOthers(filters, services);
   for (const std::string& name : loader.needed()) {
     const Dataset& d = loader.dataset(name);
-    loaded.facts[name] = d.volume ? factsOf(*d.volume) : factsOf(*d.geometry);
+    loaded.facts[name] = factsOf(d);
     loaded.datasets[name] = loader.sharedDataset(name);
   }
   loaded.shown = std::move(shownSoFar);
@@ -265,6 +299,8 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
       data.color = glm::dvec3(loader.spec(op.dataset).color);
       if (d.volume) {
         data.volume = d.volume;
+      } else if (d.mesh) {
+        data.mesh = d.mesh;
       } else {
         loaded.geometry.push_back(
             distributed.get({op.dataset, d.geometry}, op, *loaded.partitioning, ranks, enter));

@@ -160,6 +160,7 @@ void writeOutputs(const State& state, const LoadedState& loaded, const Place& at
     std::filesystem::path path = fileOfStep(output.to, newestStep(dataset)), partial = path;
     partial.replace_filename(path.stem().string() + ".partial" + path.extension().string());
     agree(at.ranks, [&] {
+      refuseMesh(dataset, output.of, "output \"" + output.name + "\"");
       checkFileFor(geometryKindOf(typeOf(dataset)), path.string(), "dataset \"" + output.of + "\"");
     });
     const LedgerEntry memory = at.ledger.enter(kTenant, "export", gatheringBytes(dataset, at.root));

@@ -41,8 +41,8 @@ std::string infoText(const json& d) {
   std::string text = d["name"].get<std::string>() + ": " + d["type"].get<std::string>() + " of " +
                      d["owner"].get<std::string>() + ", " + d["scope"].get<std::string>() + ", generation " +
                      d["generation"].dump();
-  for (const char* key : {"points", "primitives", "components", "range", "box", "partitions", "bytes", "file",
-                          "stream", "time"})
+  for (const char* key : {"points", "mesh", "primitives", "components", "range", "box", "partitions", "bytes",
+                          "file", "stream", "time"})
     if (d.contains(key)) text += "\n  " + std::string(key) + " " + d[key].dump();
   return text;
 }

@@ -34,6 +34,7 @@ nlohmann::json exportDataset(Request& request, protocol::Arguments arguments) {
   // Pinned once it is its turn: until then a publisher may need the room.
   const auto [dataset, pin] = serverRank.datasets->getPinned(tenant, name);
   checkFile(file, dataset);
+  refuseMesh(*pin.get<Dataset>(), name, "export");
   exportData(serverRank, *exchange, tenant, {dataset.key, dataset.generation}, path);
   return {{"file", path},
           {"generation", dataset.generation},

@@ -176,6 +176,7 @@ FetchedJson fetchDataset(Fetches& fetches, Request& request, protocol::Arguments
   const auto exchange = serverRank.exchanges.beginLong(request);
   // Pinned once it is its turn: until then a publisher may need the room.
   const auto [named, pin] = serverRank.datasets->getPinned(tenant, name);
+  refuseMesh(*pin.get<Dataset>(), name, "fetch");
   int64_t sent = 0;
   const auto kept = fetches.add(*exchange, [&](const FetchedJson& header, std::span<const std::byte> values) {
     if (!request.session().outbox().file(request.id(), protocol::fileRecord(header, values),

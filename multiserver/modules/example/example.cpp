@@ -22,6 +22,7 @@ struct RangeWork {
     const Pin pin = serverRank.objects.pin(Key{key}, generation);
     const auto dataset = pin.get<Dataset>();
     Range range;
+    if (dataset->mesh) range = dataset->range();
     if (dataset->geometry) range = rangeOf(dataset->geometry->block);
     if (const Volume* volume = dataset->volume.get())
       for (const auto& [partition, block] : volume->blocks) {

@@ -66,7 +66,7 @@ json FirstLooks::sample(const json& p) const {
   const Pin pin =
       serverRank_.objects.pin(Key{p.at("key").get<uint64_t>()}, p.at("generation").get<Generation>());
   const auto dataset = pin.get<Dataset>();
-  return dataset->volume ? sampleOf(*dataset->volume, *dataset->partitioning) : sampleOf(*dataset->geometry);
+  return sampleOf(*dataset);
 }
 
 LookFacts FirstLooks::factsOf(const std::string& tenant, const std::string& name) const {
@@ -75,8 +75,8 @@ LookFacts FirstLooks::factsOf(const std::string& tenant, const std::string& name
   LookFacts facts;
   facts.dataset = {name,           typeOf(*dataset),     dataset->file,  dataset->array,
                    dataset->color, dataset->radiusArray, dataset->fields};
-  facts.data = dataset->volume ? gxy::factsOf(*dataset->volume) : gxy::factsOf(*dataset->geometry);
-  if (!dataset->volume && !valuesCount(dataset->file, dataset->array)) return facts;
+  facts.data = gxy::factsOf(*dataset);
+  if (dataset->geometry && !valuesCount(dataset->file, dataset->array)) return facts;
   if (dataset->volume) facts.thin = thinAxis(dataset->volume->grid);
   for (const json& of :
        serverRank_.callAll("viewer.sample", {{"key", named.key.value}, {"generation", named.generation}}))

@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/io/import_mesh.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/comm/wire.h"
+#include "core/data/merge_ranges.h"
+#include "core/io/file.h"
+#include "core/io/legacy_vtk.h"
+
+namespace gxy {
+
+namespace {
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+/// What this rank has read so far, the points of one file after those of another.
+struct MeshReading {
+  MeshContent all;
+
+  void add(MeshContent piece) {
+    if (all.array.empty()) {
+      all.array = piece.array;
+      all.components = piece.components;
+      all.type = piece.type;
+    } else if (!piece.array.empty()) {
+      if (piece.components != all.components)
+        throw Error("array '" + piece.array + "' has " + std::to_string(piece.components) +
+                    " components in one piece and " + std::to_string(all.components) +
+                    " in another, expected the same");
+      if (piece.type != all.type) all.type = ScalarType::Float64;
+    }
+    if (all.points.size() + piece.points.size() >= kMostMeshPoints)
+      throw Error("one rank would hold a mesh of more than 2^31 points; use more ranks");
+    const auto shift = uint32_t(all.points.size());
+    for (uint64_t& number : piece.numbers) number += all.pointsOfFile;
+    for (size_t type = 0; type < kCellTypes; type++)
+      for (const uint32_t point : piece.cells.points[type]) all.cells.points[type].push_back(point + shift);
+    append(all.points, piece.points);
+    append(all.values, piece.values);
+    append(all.numbers, piece.numbers);
+    for (const auto& [type, count] : piece.kinds) all.kinds[type] += count;
+    all.pointsOfFile += piece.pointsOfFile;
+    all.flatCells += piece.flatCells;
+    all.ghostCells += piece.ghostCells;
+    all.unusableCells += piece.unusableCells;
+    all.leftOut += piece.leftOut;
+    append(all.warnings, piece.warnings);
+  }
+};
+
+/// Reads this rank's share of the pieces, or of the cells of the only one.
+class MeshPieces {
+ public:
+  MeshPieces(const std::string& path, const std::string& array, Collectives& ranks, const TakeMemory& toTake)
+      : ranks_(ranks), toTake_(toTake) {
+    wanted_.array = array;
+    agree(ranks, [&] {
+      pieces_ = geometryPieces(path);
+      if (pieces_.empty()) throw Error(path + ": it lists no pieces, expected one or more");
+      if (pieces_.size() > 1) {
+        next_ = pieces_.size() * size_t(ranks.rank()) / size_t(ranks.size());
+        end_ = pieces_.size() * (size_t(ranks.rank()) + 1) / size_t(ranks.size());
+        if (array.empty())
+          if (const auto listed = valuesOfList(path, false)) wanted_.array = listed->array;
+      } else {
+        end_ = 1;
+        wanted_.part = ranks.rank();
+        wanted_.of = ranks.size();
+      }
+      first_ = next_;
+    });
+  }
+
+  bool isOneFile() const { return pieces_.size() == 1; }
+
+  MeshContent read() {
+    if (!isOneFile() && wanted_.array.empty()) chooseTogether();
+    agree(ranks_, [&] {
+      while (next_ < end_) reading_.add(readNext());
+    });
+    return std::move(reading_.all);
+  }
+
+ private:
+  MeshContent readNext() {
+    ranks_.check();
+    MeshContent content = readMesh(pieces_[next_++], wanted_, toTake_);
+    ranks_.done(double(next_ - first_) / double(end_ - first_));
+    return content;
+  }
+
+  /// All pieces have the array that is chosen of the first one with points, on whichever rank that is.
+  void chooseTogether() {
+    std::optional<MeshContent> first;  // of this rank
+    agree(ranks_, [&] {
+      while (next_ < end_ && !first) {
+        MeshContent content = readNext();
+        if (content.array.empty())
+          reading_.add(std::move(content));
+        else
+          first = std::move(content);
+      }
+    });
+    Writer writer;
+    writer.write(first ? first->array : std::string());
+    for (const Bytes& told : ranks_.allGather(writer.take())) {
+      Reader reader(told, "the choice of an array");
+      if (wanted_.array.empty()) wanted_.array = reader.readString();
+    }
+    agree(ranks_, [&] {
+      if (first && first->array == wanted_.array)
+        reading_.add(std::move(*first));
+      else if (first)
+        --next_;  // to be read again
+    });
+  }
+
+  Collectives& ranks_;
+  const TakeMemory& toTake_;
+  MeshWanted wanted_;
+  std::vector<std::string> pieces_;
+  size_t next_ = 0, first_ = 0, end_ = 0;
+  MeshReading reading_;
+};
+
+/// What ranks have to tell each other of what they have read.
+struct ReadOnAll {
+  std::string array;  // empty: no rank has points
+  int components = 1;
+  ScalarType type = ScalarType::Float32;
+  CellKinds kinds;
+  std::vector<std::string> warnings;
+  uint64_t pointsBefore = 0, flatCells = 0, ghostCells = 0, unusableCells = 0, cells = 0;
+};
+
+ReadOnAll gathered(const MeshContent& mine, const std::string& path, Collectives& ranks, bool isOneFile) {
+  Writer writer;
+  writer.write(mine.array).write(int32_t(mine.components)).write(mine.type);
+  writer.write(mine.pointsOfFile).write(mine.flatCells).write(mine.ghostCells).write(mine.unusableCells);
+  writer.write(uint64_t(mine.cells.size())).write(uint64_t(mine.kinds.size()));
+  for (const auto& [kind, count] : mine.kinds) writer.write(int32_t(kind)).write(count);
+  for (const std::string& text : mine.warnings) writer.write(text);
+  const std::vector<Bytes> told = ranks.allGather(writer.take());
+  ReadOnAll all;
+  agree(ranks, [&] {
+    for (size_t rank = 0; rank < told.size(); rank++) {
+      Reader reader(told[rank], "what has been read of a mesh");
+      const std::string array = reader.readString();
+      const auto components = reader.read<int32_t>();
+      const auto type = reader.read<ScalarType>();
+      if (!array.empty() && all.array.empty()) {
+        all.array = array;
+        all.components = components;
+        all.type = type;
+      } else if (!array.empty()) {
+        if (components != all.components)
+          throw Error(path + ": array '" + array + "' has " + std::to_string(all.components) + " and " +
+                      std::to_string(components) + " components in different pieces, expected the same");
+        if (type != all.type) all.type = ScalarType::Float64;
+      }
+      const auto points = reader.read<uint64_t>();
+      if (int(rank) < ranks.rank() && !isOneFile) all.pointsBefore += points;
+      all.flatCells += reader.read<uint64_t>();
+      all.ghostCells += reader.read<uint64_t>();
+      all.unusableCells += reader.read<uint64_t>();
+      all.cells += reader.read<uint64_t>();
+      for (auto kinds = reader.read<uint64_t>(); kinds > 0; kinds--) {
+        const auto kind = reader.read<int32_t>();
+        const auto count = reader.read<uint64_t>();
+        if (rank == 0 || !isOneFile) all.kinds[kind] += count;
+      }
+      while (!reader.rest().empty()) all.warnings.push_back(reader.readString());
+    }
+  });
+  return all;
+}
+
+void checkHasCells(const ReadOnAll& read, const std::string& path) {
+  if (read.cells > 0) return;
+  for (const auto& [kind, count] : read.kinds)
+    if (dimensionOf(kind).value_or(3) == 3)
+      throw Error(path + ": none of its cells can be used: " + describe(read.kinds) +
+                  "; expected cells of points whose coordinates are finite");
+  if (read.ghostCells > 0)
+    throw Error(path + ": all of its " + std::to_string(read.ghostCells) +
+                " cells with a volume are duplicate, refined or hidden ones, expected others");
+  throw Error(path + ": it has no cells with a volume, expected tetrahedra" +
+              (read.kinds.empty() ? std::string()
+                                  : "; it has " + describe(read.kinds) +
+                                        ", which are imported as Triangles, PathLines or Particles"));
+}
+
+void tellWarnings(const std::vector<std::string>& texts, const Collectives& ranks,
+                  std::vector<std::string>* warnings) {
+  constexpr size_t kMost = 20;
+  if (ranks.rank() != 0) return;
+  for (size_t i = 0; i < std::min(texts.size(), kMost + 1); i++) {
+    const std::string text = i < kMost ? texts[i] : "of more pieces the warnings are not shown";
+    if (warnings)
+      warnings->push_back(text);
+    else
+      spdlog::warn("{}", text);
+  }
+}
+
+/// Ranges of components and of the magnitude, and the box, of what this rank has read.
+void measure(LoadedMesh& loaded, const std::vector<double>& values, const Advance& advance) {
+  const size_t components = size_t(loaded.piece.components);
+  loaded.ranges.assign(components > 1 ? components + 1 : 1, {});
+  for (size_t p = 0; p < loaded.piece.points.size(); p++) {
+    tell(advance, p, loaded.piece.points.size());
+    loaded.box.extend(loaded.piece.points[p]);
+    double sum = 0;
+    for (size_t c = 0; c < components; c++) {
+      const double value = values[p * components + c];
+      loaded.ranges[c].extend(value);
+      sum += value * value;
+    }
+    if (components > 1) loaded.ranges.back().extend(std::sqrt(sum));
+  }
+}
+
+std::string plural(uint64_t count, const char* one, const char* several) {
+  return std::to_string(count) + " " + (count == 1 ? one : several);
+}
+
+}  // namespace
+
+bool isMeshFile(const std::string& path) {
+  const std::string extension = extensionOf(path);
+  if (extension != ".vtk") return extension == ".vtu" || extension == ".pvtu" || extension == ".part";
+  const File file = File::open(path);
+  std::string head(size_t(std::min(file.size(), int64_t(1024))), '\0');
+  file.readAt(0, std::as_writable_bytes(std::span(head)));
+  return legacyDatasetType(head) == "UNSTRUCTURED_GRID";
+}
+
+LoadedMesh loadMesh(const std::string& path, const std::string& array, Collectives& ranks,
+                    const TakeMemory& toTake, std::vector<std::string>* warnings) {
+  MeshPieces pieces(path, array, ranks, toTake);
+  MeshContent content = pieces.read();
+  const ReadOnAll all = gathered(content, path, ranks, pieces.isOneFile());
+  checkHasCells(all, path);
+  tellWarnings(all.warnings, ranks, warnings);
+
+  LoadedMesh loaded;
+  loaded.path = path;
+  loaded.name = std::filesystem::path(path).stem().string() + ":" + all.array;
+  loaded.leftOut = content.leftOut;
+  loaded.report.flatCells = all.flatCells;
+  loaded.report.ghostCells = all.ghostCells;
+  loaded.report.unusableCells = all.unusableCells;
+  MeshPiece& piece = loaded.piece;
+  piece.components = all.components;
+  piece.points = std::move(content.points);
+  piece.numbers = std::move(content.numbers);
+  piece.cells = std::move(content.cells);
+  for (uint64_t& number : piece.numbers) number += all.pointsBefore;
+  agree(ranks, [&] { measure(loaded, content.values, [&](double) { ranks.check(); }); });
+  mergeBox(ranks, loaded.box);
+  mergeRanges(ranks, loaded.ranges);
+  agree(ranks, [&] {
+    Range ofAll;
+    for (size_t c = 0; c < size_t(all.components); c++) ofAll.extend(loaded.ranges[c]);
+    const Encoding encoding = encodingOf(all.type, all.components, ofAll);
+    loaded.shift = encoding.shift;
+    loaded.scale = encoding.scale;
+    if (toTake) toTake(int64_t(content.values.size() * sizeof(float)));
+    const Samples stored =
+        convert(std::as_bytes(std::span(content.values)), ScalarType::Float64,
+                {ScalarType::Float32, encoding.shift, encoding.scale}, [&](double) { ranks.check(); });
+    piece.values.resize(content.values.size());
+    std::memcpy(piece.values.data(), stored.data(), stored.size());
+  });
+  return loaded;
+}
+
+std::shared_ptr<const Mesh> meshOf(LoadedMesh loaded, const Partitioning& partitioning, Collectives& ranks,
+                                   const TakeMemory& toTake, std::vector<std::string>* warnings) {
+  auto mesh = std::make_shared<Mesh>();
+  mesh->name = loaded.name;
+  mesh->components = loaded.piece.components;
+  mesh->shift = loaded.shift;
+  mesh->scale = loaded.scale;
+  mesh->ranges = std::move(loaded.ranges);
+  mesh->box = loaded.box;
+  mesh->report = loaded.report;
+  MeshBlockCounts counts;
+  mesh->blocks = distribute(std::move(loaded.piece), partitioning, counts, ranks, toTake);
+  MeshReport& report = mesh->report;
+  report.cells = counts.cells;
+  report.points = counts.points;
+  report.repeatedCells = counts.repeatedCells;
+  report.degenerateCells = counts.degenerateCells;
+  report.mergedPoints = counts.mergedPoints;
+  report.differingPoints = counts.differingPoints;
+  report.crowdedFaces = counts.crowdedFaces;
+  report.noDataPoints = counts.noDataPoints;
+  if (report.points == 0)
+    throw Error(loaded.path + ": all of its " + std::to_string(report.degenerateCells) +
+                " cells have a point twice, expected cells with a volume");
+  tellWarnings(warningsOf(report, loaded.path), ranks, warnings);
+  return mesh;
+}
+
+std::vector<std::string> warningsOf(const MeshReport& report, const std::string& path) {
+  std::vector<std::string> texts;
+  const auto add = [&](uint64_t count, const char* one, const char* several, const std::string& what) {
+    if (count > 0) texts.push_back(path + ": " + plural(count, one, several) + what);
+  };
+  add(report.flatCells, "cell", "cells", " without a volume left out");
+  add(report.ghostCells, "ghost cell", "ghost cells", " left out: duplicate, refined or hidden");
+  add(report.unusableCells, "cell", "cells", " left out: a coordinate is not finite");
+  add(report.repeatedCells, "cell", "cells", " left out: another cell has the same points");
+  add(report.degenerateCells, "cell", "cells", " left out: a point is there twice");
+  add(report.differingPoints, "point has", "points have",
+      " another value than an earlier point at the same place, whose value is used");
+  add(report.crowdedFaces, "face", "faces", " of three or more cells: the mesh overlaps itself there");
+  add(report.noDataPoints, "point has", "points have", " no finite value: cells there are transparent");
+  return texts;
+}
+
+}  // namespace gxy

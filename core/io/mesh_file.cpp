@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/io/mesh_file.h"
+
+#include <vtkCellData.h>
+#include <vtkDataSetAttributes.h>
+#include <vtkPointData.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkUnstructuredGrid.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/comm/error.h"
+#include "core/io/cell_list.h"
+#include "core/io/file.h"
+#include "core/io/flaws.h"
+#include "core/io/listed_arrays.h"
+#include "core/io/vtk_geometry.h"
+#include "core/io/vtk_scalars.h"
+
+namespace gxy {
+
+namespace {
+
+constexpr unsigned char kLeftOut = vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::REFINEDCELL |
+                                   vtkDataSetAttributes::HIDDENCELL;
+constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+
+/// Returns the array of values among the arrays that have been read.
+vtkDataArray* valuesOf(vtkUnstructuredGrid* grid, const std::string& wanted, const std::string& path) {
+  const ListedArrays points = listOf(grid->GetPointData()), cells = listOf(grid->GetCellData());
+  if (const auto chosen = chooseValues(points, cells, ValuesWanted(wanted, false)))
+    return grid->GetPointData()->GetArray(chosen->name.c_str());
+  const std::string missing =
+      path + ": no " + (wanted.empty() ? "numeric array" : "array '" + wanted + "'") + " of points";
+  if (const auto ofCells = chooseValues(points, cells, ValuesWanted(wanted, true)))
+    throw Error(
+        missing + ", and '" + ofCells->name +
+        "' is one of cells; values of the cells of an unstructured volume are not supported yet, "
+        "expected an array of points: convert it, for example with ParaView's Cell Data to Point Data");
+  throw Error(missing + ", which an unstructured volume needs; of points the file has " + namesOf(points) +
+              ", of cells " + namesOf(cells));
+}
+
+class MeshReader {
+ public:
+  MeshReader(vtkUnstructuredGrid* grid, const std::string& path)
+      : grid_(grid),
+        path_(path),
+        list_(grid),
+        ghosts_(grid->GetCellGhostArray()),
+        hidden_(grid->GetPointGhostArray()) {}
+
+  MeshContent read(const MeshWanted& wanted, const TakeMemory& toTake) {
+    content_.pointsOfFile = uint64_t(grid_->GetNumberOfPoints());
+    if (content_.pointsOfFile >= kMostMeshPoints)
+      throw Error(path_ + ": " + std::to_string(content_.pointsOfFile) +
+                  " points; one file may have fewer than 2^31");
+    countKinds();
+    vtkDataArray* values = content_.pointsOfFile ? valuesOf(grid_, wanted.array, path_) : nullptr;
+    if (!values) return std::move(content_);
+    content_.array = values->GetName();
+    content_.components = values->GetNumberOfComponents();
+    content_.type = scalarOfVtk(values->GetDataType()).value_or(ScalarType::Float64);
+    const vtkIdType cells = list_.count(), first = cells * wanted.part / wanted.of,
+                    end = cells * (wanted.part + 1) / wanted.of;
+    if (toTake)
+      toTake(
+          int64_t(content_.pointsOfFile) * int64_t(sizeof(uint32_t)) +
+          grid_->GetNumberOfPoints() / wanted.of *
+              int64_t(sizeof(glm::dvec3) + sizeof(uint64_t) + sizeof(double) * size_t(content_.components)) +
+          (end - first) * int64_t(4 * sizeof(uint32_t)));
+    numberOf_.assign(size_t(content_.pointsOfFile), kNone);
+    for (vtkIdType cell = first; cell < end; cell++) take(cell);
+    takeValues(values);
+    content_.warnings = flaws_.warnings(path_);
+    return std::move(content_);
+  }
+
+ private:
+  bool isGhost(vtkIdType cell) const { return ghosts_ && (ghosts_->GetValue(cell) & kLeftOut); }
+
+  void countKinds() {
+    CellKinds others;
+    for (vtkIdType cell = 0; cell < list_.count(); cell++) {
+      if (isGhost(cell)) continue;
+      const int type = list_.type(cell);
+      content_.kinds[type]++;
+      if (dimensionOf(type).value_or(3) == 3 && !meshCellOf(type)) others[type]++;
+    }
+    if (!others.empty())
+      throw Error(path_ + ": it has cells that an unstructured volume cannot have yet: " + describe(others) +
+                  "; expected tetrahedra");
+  }
+
+  void take(vtkIdType cell) {
+    const int type = list_.type(cell);
+    const auto meshType = meshCellOf(type);
+    if (isGhost(cell)) {
+      content_.ghostCells += meshType.has_value() || dimensionOf(type).value_or(3) == 3;
+      return;
+    }
+    if (!meshType) {
+      content_.flatCells++;
+      return;
+    }
+    list_.points(cell, ids_);
+    if (size_t(ids_->GetNumberOfIds()) != shapeOf(*meshType).points) {
+      flaws_.add("a cell whose number of points is not that of its type is left out",
+                 [&] { return "cell " + std::to_string(cell); });
+      return;
+    }
+    const auto isFinite = [&](vtkIdType point) {
+      const double* p = grid_->GetPoint(point);
+      return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+    };
+    if (!std::all_of(ids_->begin(), ids_->end(), isFinite)) {
+      content_.unusableCells++;
+      return;
+    }
+    for (const vtkIdType point : *ids_) content_.cells.points[size_t(*meshType)].push_back(numberOf(point));
+  }
+
+  uint32_t numberOf(vtkIdType point) {
+    uint32_t& number = numberOf_[size_t(point)];
+    if (number == kNone) {
+      number = uint32_t(content_.points.size());
+      const double* p = grid_->GetPoint(point);
+      content_.points.push_back({p[0], p[1], p[2]});
+      content_.numbers.push_back(uint64_t(point));
+    }
+    return number;
+  }
+
+  void takeValues(vtkDataArray* values) {
+    const auto components = size_t(content_.components);
+    content_.values.resize(content_.points.size() * components);
+    for (size_t p = 0; p < content_.points.size(); p++) {
+      double* of = content_.values.data() + p * components;
+      const auto point = vtkIdType(content_.numbers[p]);
+      values->GetTuple(point, of);
+      if (hidden_ && (hidden_->GetValue(point) & vtkDataSetAttributes::HIDDENPOINT))
+        std::fill_n(of, components, std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+
+  vtkUnstructuredGrid* const grid_;
+  const std::string& path_;
+  const CellList list_;
+  vtkUnsignedCharArray *const ghosts_, *const hidden_;
+  const vtkSmartPointer<vtkIdList> ids_ = vtkSmartPointer<vtkIdList>::New();  // points of the current cell
+  std::vector<uint32_t> numberOf_;                                            // by point of the file
+  Flaws flaws_;
+  MeshContent content_;
+};
+
+}  // namespace
+
+MeshContent readMesh(const std::string& path, const MeshWanted& wanted, const TakeMemory& toTake) {
+  LeftOut leftOut;
+  const vtkSmartPointer<vtkPointSet> set =
+      readPointSet(path, toTake, ArraysNeeded{ValuesWanted(wanted.array, false), false}, &leftOut);
+  const auto grid = vtkUnstructuredGrid::SafeDownCast(set);
+  if (!grid)
+    throw Error(path + ": expected an unstructured grid, as .vtu or .vtk, found " + set->GetClassName());
+  MeshContent content = MeshReader(grid, path).read(wanted, toTake);
+  content.leftOut = leftOut;
+  return content;
+}
+
+}  // namespace gxy

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Kinds of cells in VTK's files, by their numbers there, as meshes take them.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/data/mesh.h"
+
+namespace gxy {
+
+/// How many cells there are of each kind.
+using CellKinds = std::map<int, uint64_t>;
+
+/// Which cell of a mesh one of a kind becomes, with its points in the same order; nothing if it becomes none.
+std::optional<CellType> meshCellOf(int vtkType);
+
+/// The dimension of cells of a kind, from 0 to 3; nothing for kinds that VTK does not know.
+std::optional<int> dimensionOf(int vtkType);
+
+/// Returns a text such as "triangles (12), wedges (1)".
+std::string describe(const CellKinds& kinds);
+
+}  // namespace gxy

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Unstructured volumes in the data space.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "multiserver/protocol/json.h"
+#include "tests/multiserver/datasets_on_ranks.h"
+#include "tests/multiserver/test_server.h"
+#include "tests/support/mesh_files.h"
+#include "tests/support/meshes.h"
+
+namespace gxy::test {
+namespace {
+
+using nlohmann::json;
+
+MeshPiece cubeWithValues() {
+  return cubeOfTets(
+      4, [](const glm::dvec3& p) { return 0.02 * glm::dvec3(p.y, p.z, p.x); },
+      [](const glm::dvec3& p) { return p.x + p.y + p.z; });
+}
+
+/// A server with cube.vtu, and the same as pieces in cube.pvtu, of which the second has one cell of the first, too.
+class MeshServer : public TestServer {
+ public:
+  explicit MeshServer(int ranks, int64_t tenantMemory = 0) : TestServer(setup(ranks, tenantMemory)) {
+    const MeshPiece mesh = cubeWithValues();
+    write("cube.vtu", gridOfTets(mesh, 0, 384).vtu());
+    write("a.vtu", gridOfTets(mesh, 0, 201).vtu());
+    write("b.vtu", gridOfTets(mesh, 200, 384).vtu());
+    write("cube.pvtu", pvtu({"a.vtu", "b.vtu"}, "value"));
+    client = TestServer::client();
+    for (const char* module : {"data", "analysis"}) client->expect(std::string("load ") + module);
+  }
+
+  void write(const std::string& name, const std::string& text) {
+    std::ofstream(folder() / name, std::ios::binary) << text;
+  }
+
+  static std::string import(const std::string& name, const std::string& file, const std::string& more = "") {
+    return R"(import {"Datasets": [{"name": ")" + name + R"(", "filename": ")" + file +
+           R"(", "type": "Volume")" + more + "}]}";
+  }
+
+  void expectError(const std::string& statement, const std::string& part) {
+    const Reply reply = client->request(statement);
+    EXPECT_FALSE(reply.ok) << statement;
+    EXPECT_NE(reply.error.find(part), std::string::npos) << statement << ": " << reply.error;
+  }
+
+  void expectNoMemory(int ranks) {
+    for (int rank = 0; rank < ranks; rank++) EXPECT_EQ(serverRank(rank).ledger.total("user"), 0) << rank;
+  }
+
+  std::unique_ptr<Client> client;
+
+ private:
+  static ServerSetup setup(int ranks, int64_t tenantMemory) {
+    ServerSetup setup;
+    setup.ranks = ranks;
+    setup.modules = GALAXY_MODULES;
+    if (tenantMemory > 0) setup.serverRank.tenantMemory = tenantMemory;
+    return setup;
+  }
+};
+
+TEST(MeshData, AFileOfTetrahedraIsAVolumeOnAnyNumberOfRanks) {
+  json expected;
+  for (const int ranks : {1, 3}) {
+    MeshServer server(ranks);
+    const json reply = server.client->expect(MeshServer::import("m", "cube.vtu"));
+    EXPECT_FALSE(reply.contains("warnings") && !reply.at("warnings").empty()) << reply;
+    EXPECT_EQ(server.client->expect("list").at("datasets").at(0).at("type"), "Volume");
+    json info = server.client->expect("info m").at("datasets").at(0);
+    EXPECT_EQ(info.at("mesh"), (json{{"cells", 384}, {"points", 125}}));
+    EXPECT_EQ(info.at("components"), 1);
+    EXPECT_EQ(info.at("partitions"), ranks);
+    EXPECT_GT(info.at("bytes").get<int64_t>(), 384 * 32);
+    if (expected.is_null()) expected = info;
+    for (const char* key : {"range", "box", "mesh"}) EXPECT_EQ(info.at(key), expected.at(key)) << key;
+    int64_t bytes = 0;
+    for (int rank = 0; rank < ranks; rank++) {
+      const auto dataset = datasetOn(server, rank, "m");
+      ASSERT_TRUE(dataset->mesh);
+      EXPECT_FALSE(dataset->volume || dataset->geometry);
+      EXPECT_EQ(dataset->bytes, bytesOf(*dataset->mesh));
+      EXPECT_EQ(server.serverRank(rank).ledger.total("user"), dataset->bytes);
+      for (const auto& line : server.serverRank(rank).ledger.snapshot()) {
+        if (line.tenant == "user") EXPECT_EQ(line.purpose, "volume");
+      }
+      bytes += dataset->bytes;
+    }
+    EXPECT_EQ(info.at("bytes"), bytes);
+    server.client->expect("drop m");
+    server.expectNoMemory(ranks);
+  }
+}
+
+TEST(MeshData, ListsOfPiecesAndOneFileBecomeTheSame) {
+  MeshServer server(3);
+  server.client->expect(MeshServer::import("one", "cube.vtu"));
+  const json warnings = server.client->expect(MeshServer::import("list", "cube.pvtu")).at("warnings");
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings.at(0).get<std::string>().find("1 cell left out: another cell has the same points"),
+            std::string::npos)
+      << warnings;
+  EXPECT_EQ(server.client->expect("info list").at("datasets").at(0).at("mesh").at("repeated cells"), 1);
+  for (int rank = 0; rank < 3; rank++) {
+    const auto one = datasetOn(server, rank, "one"), list = datasetOn(server, rank, "list");
+    ASSERT_EQ(one->mesh->blocks.size(), list->mesh->blocks.size());
+    for (const auto& [partition, block] : one->mesh->blocks) {
+      const MeshBlock& other = list->mesh->blocks.at(partition);
+      EXPECT_TRUE(block.points == other.points && block.values == other.values &&
+                  block.cells.points == other.cells.points);
+    }
+  }
+}
+
+TEST(MeshData, MeshesAreCutAsWhatTheyAreImportedWith) {
+  MeshServer server(2);
+  server.client->expect(
+      R"(import {"Datasets": [{"name": "ball", "filename": "ball.vol", "type": "Volume"},
+         {"name": "m", "filename": "cube.vtu", "type": "Volume", "array": "value"}]})");
+  for (int rank = 0; rank < 2; rank++)
+    EXPECT_EQ(datasetOn(server, rank, "m")->partitioning, datasetOn(server, rank, "ball")->partitioning);
+  server.client->expect(MeshServer::import("m", "cube.pvtu"));
+  EXPECT_EQ(server.client->expect("info m").at("datasets").at(0).at("generation"), 2);
+}
+
+TEST(MeshData, WhatTakesNoMeshesSaysSo) {
+  MeshServer server(2);
+  server.client->expect(MeshServer::import("m", "cube.vtu"));
+  server.client->expect(importBall("ball"));
+  const std::string text = "\"m\" is an unstructured volume, which is not supported here yet";
+  for (const char* make :
+       {R"({"name": "x", "filter": "Derive", "inputs": {"f": "m"}, "expression": "2 * f"})",
+        R"({"filter": "Statistics", "inputs": {"field": "m"}})",
+        R"({"filter": "Number", "inputs": {"f": "m"}, "expression": "max(f)"})
+    ",
+    R"({"name": "x", "filter": "Seeds", "inputs": {"domain": "m"}})",
+        R"({"name": "x", "filter": "Resample", "inputs": {"field": "ball", "like": "m"}})",
+        R"({"name": "x", "filter": "IsosurfaceSampler", "inputs": {"field": "m"}, "isovalue": 1})",
+        R"({"name": "x", "filter": "RaySampler", "inputs": {"f": "m"}, "operators": [{"dataset": "f"}],
+            "values": ["f"]})"
+})
+    server.expectError("make " + std::string(make), text);
+server.expectError(R"json(watch {"expression": "max(m) > 3"})json", text);
+server.expectError("fetch m", text);
+server.expectError("export m m.vti", text);
+EXPECT_EQ(server.client->expect("list").at("datasets").size(), 2u);
+server.client->expect("drop m");
+server.client->expect("drop ball");
+server.expectNoMemory(2);
+}
+
+TEST(MeshData, ImportsThatFailLeaveNothing) {
+  MeshServer server(2);
+  GridFile grid = gridOfTets(cubeWithValues(), 0, 20);
+  grid.cells.push_back({13, {0, 1, 2, 3, 4, 5}});
+  server.write("wedge.vtu", grid.vtu());
+  grid.cells = {{5, {0, 1, 2}}};
+  server.write("flat.vtu", grid.vtu());
+  server.write("lattice.vts", "<VTKFile type=\"StructuredGrid\"></VTKFile>");
+  server.expectError(MeshServer::import("m", "wedge.vtu"), "wedges (1); expected tetrahedra");
+  server.expectError(MeshServer::import("m", "flat.vtu"), "it has no cells with a volume");
+  server.expectError(MeshServer::import("m", "cube.vtu", R"(, "array": "none")"),
+                     "no array 'none' of points");
+  server.expectError(MeshServer::import("m", "lattice.vts"), "this kind of file cannot be read as a volume");
+  EXPECT_TRUE(server.client->expect("list").at("datasets").empty());
+  server.expectNoMemory(2);
+
+  MeshServer small(2, 20000);  // the file's text alone takes more
+  small.expectError(MeshServer::import("m", "cube.vtu"), "memory");
+  small.expectNoMemory(2);
+}
+
+}  // namespace
+}  // namespace gxy::test
