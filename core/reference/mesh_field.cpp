@@ -53,7 +53,8 @@ double trueValue(const Mesh& mesh, const MeshBlock& block, size_t point, std::op
 
 }  // namespace
 
-MeshField::MeshField(const Mesh& mesh, std::optional<int> component) {
+MeshField::MeshField(const Mesh& mesh, std::optional<int> component)
+    : box_(mesh.box), typicalLength_(gxy::typicalLength(mesh)) {
   if (component && (*component < 0 || *component >= mesh.components)) {
     throw Error("reference: mesh '" + mesh.name + "' has no component " + std::to_string(*component) +
                 ": expected 0 to " + std::to_string(mesh.components - 1));
@@ -142,7 +143,9 @@ std::optional<MeshSpan> MeshField::across(const Cell& cell, const Ray& ray) cons
     // All three have the same sign, so nothing cancels even in a face that the ray meets nearly edge-on.
     const double wa = edge[b][c] / sum, wb = edge[c][a] / sum, wc = edge[a][b] / sum;
     ends[met] = wa * t[a] + wb * t[b] + wc * t[c];
-    values[met] = wa * values_[cell[a]] + wb * values_[cell[b]] + wc * values_[cell[c]];
+    // Not beyond those of the corners, as rounding may put it.
+    const double va = values_[cell[a]], vb = values_[cell[b]], vc = values_[cell[c]];
+    values[met] = std::clamp(wa * va + wb * vb + wc * vc, std::min({va, vb, vc}), std::max({va, vb, vc}));
     met++;
   }
   if (met < 2 || ends[0] == ends[1]) return std::nullopt;

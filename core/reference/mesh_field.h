@@ -32,7 +32,9 @@ class MeshField {
   /// it meets exactly the cells around it that fill the space without overlap.
   std::vector<MeshSpan> along(const Ray& ray, Interval range) const;
 
-  size_t cells() const { return cells_.size(); }
+  size_t cells() const { return cells_.size(); }  ///< with data
+  const Box& box() const { return box_; }         ///< Mesh::box
+  double typicalLength() const { return typicalLength_; }
 
  private:
   using Cell = std::array<uint32_t, 4>;
@@ -42,6 +44,8 @@ class MeshField {
   std::vector<double> values_;
   std::vector<Cell> cells_;  ///< those with data
   std::optional<Bvh> tree_;
+  Box box_;
+  double typicalLength_;
 };
 
 }  // namespace gxy::reference
