@@ -49,9 +49,19 @@ FN void triangleShares(real sideA, real sideB, real sideC, OUT(real) shareA, OUT
   shareC = edgeOn ? R(0.33333333333333333) : c * one;
 }
 
-// The mean of what the corners have, with the same bits in any order of the corners.
+// The mean of what the corners have, with the same bits in any order of the corners: the number of the corner with the largest share,
+// and the differences to the others. So it is exact where all are equal, and on an edge between equal ones. If one of the numbers is NaN
+// or infinite, the mean is NaN or infinite.
 FN real meanOf(real shareA, real shareB, real shareC, real a, real b, real c) {
-  return sumOf(shareA * a, shareB * b, shareC * c);
+  bool bLeads = shareB > shareA || (shareB == shareA && b > a);
+  real most = bLeads ? shareB : shareA;
+  real leading = bLeads ? b : a;
+  real share = bLeads ? shareA : shareB;
+  real other = bLeads ? a : b;
+  bool cLeads = shareC > most || (shareC == most && c > leading);
+  real mean = cLeads ? c : leading;
+  real last = cLeads ? leading : c;
+  return mean + (share * (other - mean) + (cLeads ? most : shareC) * (last - mean));
 }
 
 // Whether a face that the ray passes at t comes before another one at u. `number` and `other` are those of the corners opposite them.

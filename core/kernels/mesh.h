@@ -120,7 +120,6 @@ FN uint walkMesh(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMar
   triangleShares(sideA, sideB, sideC, shareA, shareB, shareC);
   real t = meanOf(shareA, shareB, shareC, pa.z, pb.z, pc.z) * r.frame.perDepth;
   real s = meanOf(shareA, shareB, shareC, sa, sb, sc);
-  real check = (sa + sb) + sc;  // not finite if one of the values is not
   vec3 rgb = L.rgb;
   real A = L.A, largest = max(w.largest, t), begin = max(w.t0, m.tStart);
   int evaluated = 0, crossed = 0;
@@ -167,10 +166,8 @@ FN uint walkMesh(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMar
     }
     triangleShares(sideA, sideB, sideC, shareA, shareB, shareC);
     t = meanOf(shareA, shareB, shareC, pa.z, pb.z, pc.z) * r.frame.perDepth;
-    real s0 = s, before = largest, holds = check;
+    real s0 = s, before = largest;
     s = meanOf(shareA, shareB, shareC, sa, sb, sc);
-    check = (sa + sb) + sc;
-    holds += check;
     largest = max(largest, t);
     crossed += 1;
     real ends = min(largest, w.t1);
@@ -179,7 +176,7 @@ FN uint walkMesh(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMar
       real start = max(before, begin);
       if (to > m.tOut) {
         goes = false;  // the cell belongs to the next partition
-      } else if (to > start && holds - holds == R(0.0)) {
+      } else if (to > start && (s - s) + (s0 - s0) == R(0.0)) {
         CellCurve curve = linearCurve(s0, s);
         CurveInMap lies = curveInMap(op.map, curve);
         if (lies.seen) {

@@ -129,6 +129,13 @@ TEST(MeshStress, ConstantFields) {
     expectAgreement(embree(), meshScene("mesh_constant", vis, cubeMesh(6, 0.15, flat), 32), kFirstAlone);
 }
 
+// A point at a step of the map has what the later control point of the step says.
+TEST(MeshStress, ConstantFieldsAtStepsOfTheMap) {
+  const auto flat = [](glm::dvec3 p) { return p.x < 0.1 ? 0.25 : 0.75; };
+  const Vis vis = rendered({{0, 0}, {0.25, 0}, {0.25, 3}, {0.75, 3}, {0.75, 1}}, 0, 1, true);
+  expectAgreement(embree(), meshScene("mesh_plateaus", vis, cubeMesh(6, 0.15, flat), 32), kFirstAlone);
+}
+
 TEST(MeshStress, ValuesOfAnySize) {
   for (const double size : {1e-20, 1e20}) {
     const Vis vis = rendered({{-size, 0}, {size, 2}}, -size, size, true);
