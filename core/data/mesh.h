@@ -44,7 +44,7 @@ inline constexpr uint32_t cellOf(FaceId id) { return id >> 3; }
 inline constexpr int faceOf(FaceId id) { return int(id & 7); }
 
 /// A mesh may have one point or cell less than this.
-inline constexpr uint64_t kMostMeshPoints = uint64_t(1) << 31, kMostMeshCells = uint64_t(1) << 29;
+inline constexpr uint64_t kMostMeshPoints = uint64_t(1) << 30, kMostMeshCells = uint64_t(1) << 29;
 
 /// Cells as numbers of points. The cells are numbered by type: first the tetrahedra, then the pyramids, the wedges and the hexahedra.
 struct MeshCells {
@@ -82,6 +82,8 @@ struct MeshReport {
   uint64_t differingPoints =
       0;                      ///< of those, the points whose values differ; the first one's values are used
   uint64_t crowdedFaces = 0;  ///< faces of three or more cells; rays go from none of these to another
+  /// Faces both of whose cells are on the same side, so that these overlap, or one of whose cells has no volume.
+  uint64_t foldedFaces = 0;
   uint64_t noDataPoints =
       0;  ///< points with a NaN or infinite value; cells that have such a point are transparent
 };
@@ -93,7 +95,7 @@ struct Mesh {
   double shift = 0, scale = 1;
   /// Ranges of values (not stored values) over all points: one for each component, then one for the magnitude if there are several.
   std::vector<Range> ranges;
-  Box box;  ///< of all points that cells have, world
+  Box box;  ///< of all points that cells in the files have, world
   MeshReport report;
   std::map<int, MeshBlock> blocks;  ///< by local partition
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <string>
 #include <utility>
 
@@ -19,9 +20,11 @@ bool isFinite(const glm::dvec3& p) { return std::isfinite(p.x) && std::isfinite(
 
 void checkSizes(const MeshPiece& piece) {
   if (piece.points.size() >= kMostMeshPoints)
-    throw Error("a mesh of " + std::to_string(piece.points.size()) + " points, expected fewer than 2^31");
+    throw Error("a mesh of " + std::to_string(piece.points.size()) +
+                " points, expected fewer than 2^30 on one rank and in one partition; use more of them");
   if (piece.cells.size() >= kMostMeshCells)
-    throw Error("a mesh of " + std::to_string(piece.cells.size()) + " cells, expected fewer than 2^29");
+    throw Error("a mesh of " + std::to_string(piece.cells.size()) +
+                " cells, expected fewer than 2^29 on one rank and in one partition; use more of them");
   if (piece.components < 1 || piece.values.size() != piece.points.size() * size_t(piece.components) ||
       piece.numbers.size() != piece.points.size())
     throw Error("a mesh of " + std::to_string(piece.points.size()) + " points has " +
@@ -69,11 +72,34 @@ class BlockMaker {
     block_.neighbours = std::move(found.neighbours);
     block_.shell = std::move(found.shell);
     for (const uint32_t point : found.crowdedAt) counts_.crowdedFaces += isHere_[point];
+    countFoldedFaces();
     advance(1);
     return std::move(block_);
   }
 
  private:
+  /// Which side of a face of a tetrahedron its fourth corner is on: 1, -1, or 0 if it has no volume.
+  int sideOf(FaceId face) const {
+    const auto cell = block_.cells.pointsOf(cellOf(face));
+    const glm::dvec3 fourth = block_.points[cell[size_t(faceOf(face))]];
+    std::array<glm::dvec3, 3> corners;
+    size_t n = 0;
+    for (size_t k = 0; k < 4; k++)
+      if (int(k) != faceOf(face)) corners[n++] = block_.points[cell[k]] - fourth;
+    const double volume = glm::dot(corners[0], glm::cross(corners[1], corners[2]));
+    return int(volume > 0) - int(volume < 0);
+  }
+
+  void countFoldedFaces() {
+    const std::vector<FaceId>& neighbours = block_.neighbours[size_t(CellType::Tetrahedron)];
+    for (size_t i = 0; i < neighbours.size(); i++) {
+      const FaceId face = faceId(uint32_t(i / 4), int(i % 4)), other = neighbours[i];
+      if (other == kNoFace || other < face) continue;
+      const uint32_t lowest = block_.cells.pointsOf(cellOf(face))[i % 4 == 0 ? 1 : 0];
+      if (isHere_[lowest]) counts_.foldedFaces += sideOf(face) * sideOf(other) >= 0;
+    }
+  }
+
   struct Place {
     uint64_t along;
     uint32_t point;

@@ -46,7 +46,7 @@ void validate(const MeshPiece& piece);
 struct MeshBlockCounts {
   std::array<uint64_t, kCellTypes> cells{};
   uint64_t points = 0, repeatedCells = 0, degenerateCells = 0, mergedPoints = 0, differingPoints = 0,
-           crowdedFaces = 0, noDataPoints = 0;
+           crowdedFaces = 0, foldedFaces = 0, noDataPoints = 0;
   /// By partition: those of its points that are counted there and have several values in the files. Only their partition is sure to
   /// know the right one.
   std::map<int, std::vector<uint32_t>> differing;

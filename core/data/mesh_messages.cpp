@@ -296,8 +296,8 @@ std::map<int, MeshBlock> distribute(MeshPiece read, const Partitioning& partitio
   });
   uint64_t* const sums[] = {&counts.points,       &counts.repeatedCells,   &counts.degenerateCells,
                             &counts.mergedPoints, &counts.differingPoints, &counts.crowdedFaces,
-                            &counts.noDataPoints, &counts.cells[0],        &counts.cells[1],
-                            &counts.cells[2],     &counts.cells[3]};
+                            &counts.foldedFaces,  &counts.noDataPoints,    &counts.cells[0],
+                            &counts.cells[1],     &counts.cells[2],        &counts.cells[3]};
   std::vector<uint64_t> mine;
   for (const uint64_t* sum : sums) mine.push_back(*sum);
   const auto all = gatherValues(ranks, std::span<const uint64_t>(mine));

@@ -286,7 +286,7 @@ LoadedMesh loadMesh(const std::string& path, const std::string& array, Collectiv
         convert(std::as_bytes(std::span(content.values)), ScalarType::Float64,
                 {ScalarType::Float32, encoding.shift, encoding.scale}, [&](double) { ranks.check(); });
     piece.values.resize(content.values.size());
-    std::memcpy(piece.values.data(), stored.data(), stored.size());
+    if (!stored.empty()) std::memcpy(piece.values.data(), stored.data(), stored.size());
   });
   return loaded;
 }
@@ -311,6 +311,7 @@ std::shared_ptr<const Mesh> meshOf(LoadedMesh loaded, const Partitioning& partit
   report.mergedPoints = counts.mergedPoints;
   report.differingPoints = counts.differingPoints;
   report.crowdedFaces = counts.crowdedFaces;
+  report.foldedFaces = counts.foldedFaces;
   report.noDataPoints = counts.noDataPoints;
   if (report.points == 0)
     throw Error(loaded.path + ": all of its " + std::to_string(report.degenerateCells) +
@@ -332,6 +333,9 @@ std::vector<std::string> warningsOf(const MeshReport& report, const std::string&
   add(report.differingPoints, "point has", "points have",
       " another value than an earlier point at the same place, whose value is used");
   add(report.crowdedFaces, "face", "faces", " of three or more cells: the mesh overlaps itself there");
+  add(report.foldedFaces, "face", "faces",
+      " whose two cells are on the same side, or one of them is flat: where cells overlap, pixels depend on "
+      "how the data are cut");
   add(report.noDataPoints, "point has", "points have", " no finite value: cells there are transparent");
   return texts;
 }

@@ -90,8 +90,22 @@ GeometryInPartition cellsOf(const MeshBlock& block, std::span<const float> shown
   return cells;
 }
 
+// Whether a cell ends at a slice, below which it lies: the level is 0 on a face without a neighbour and below 0 at the fourth corner.
+bool endsAtSlice(const MeshBlock& block, size_t cell, std::span<const float> level) {
+  const size_t tetrahedra = size_t(CellType::Tetrahedron);
+  const uint32_t* corners = &block.cells.points[tetrahedra][cell];
+  for (size_t i = 0; i < 4; i++) {
+    if (!(level[corners[i]] < 0) || block.neighbours[tetrahedra][cell + i] != kNoFace) continue;
+    size_t on = 0;
+    for (size_t k = 0; k < 4; k++) on += level[corners[k]] == 0;
+    if (on == 3) return true;
+  }
+  return false;
+}
+
 // Appends the cells that a surface passes, given the level at each point. It passes a cell if the level is above 0 at some of its
-// corners and not at others.
+// corners and not at others. A slice in a face of a cell is thus in the cell above it; where there is none, the cell below it has the
+// slice, with levels turned over.
 void addSurface(const MeshBlock& block, std::span<const float> shown, std::span<const float> level,
                 uint32_t surface, std::optional<float> isovalue, const RenderSpace& space,
                 GeometryInPartition& cells) {
@@ -101,10 +115,11 @@ void addSurface(const MeshBlock& block, std::span<const float> shown, std::span<
     const auto above = std::count_if(at.begin(), at.end(), [&](uint32_t p) { return level[p] > 0; });
     const bool noData =
         std::any_of(at.begin(), at.end(), [&](uint32_t p) { return !std::isfinite(shown[p]); });
-    if (above == 0 || above == 4 || noData) continue;
+    const bool ends = above == 0 && !isovalue && endsAtSlice(block, cell, level);
+    if ((above == 0 && !ends) || above == 4 || noData) continue;
     for (const uint32_t p : at) {
       const glm::vec3 place = placeIn(space, block.points[p]);
-      cells.points.insert(cells.points.end(), {place.x, place.y, place.z, level[p]});
+      cells.points.insert(cells.points.end(), {place.x, place.y, place.z, ends ? -level[p] : level[p]});
       cells.values.push_back(isovalue.value_or(shown[p]));
     }
     cells.indices.push_back(surface);
@@ -169,10 +184,9 @@ void planMesh(CompiledOperator& op, CompiledScene& scene, OtherScenes others, co
   size_t done = 0;
   for (const auto& [partition, block] : blocks) {
     const Advance part = partOf(advance, done++, blocks.size());
-    if (block.shell.empty()) continue;
     const std::vector<float> shown = shownValues(op, block);
     OperatorInPartition planned;
-    if (op.vis.volumeRendering && shows(op.map, rangeOf(shown))) {
+    if (op.vis.volumeRendering && !block.shell.empty() && shows(op.map, rangeOf(shown))) {
       planned.geometry =
           partAmong(others, op, scene.space, partition, &OperatorInPartition::geometry, showsSameValues);
       if (!planned.geometry)

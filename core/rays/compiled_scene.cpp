@@ -133,7 +133,7 @@ void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, c
   if (scene.rendered.size() > 1) {
     others = 0;
     for (const CompiledOperator& o : scene.operators)
-      if (&o != &op && o.vis.type == VisType::Volume) *others += largestExtinction(o);
+      if (&o != &op && o.data.volume) *others += largestExtinction(o);
   }
   const bool cut = std::any_of(scene.operators.begin(), scene.operators.end(), showsSurfaces);
   op.occludingExtinction = cut ? kAllOccluding : float(others.value_or(0));

@@ -88,6 +88,7 @@ json told(const MeshReport& report) {
   add("merged points", report.mergedPoints);
   add("differing points", report.differingPoints);
   add("crowded faces", report.crowdedFaces);
+  add("folded faces", report.foldedFaces);
   add("points without data", report.noDataPoints);
   return told;
 }

@@ -139,7 +139,8 @@ TEST(MeshBlocks, ABlockDoesNotDependOnTheOrderOfCellsPointsAndPieces) {
     for (const MeshBlockCounts& c : {expectedCounts, counts}) {
       EXPECT_EQ(c.points, 343u);
       EXPECT_EQ(c.cells[kTets], 1296u);
-      EXPECT_EQ(c.repeatedCells + c.degenerateCells + c.mergedPoints + c.differingPoints + c.crowdedFaces,
+      EXPECT_EQ(c.repeatedCells + c.degenerateCells + c.mergedPoints + c.differingPoints + c.crowdedFaces +
+                    c.foldedFaces,
                 0u);
     }
   }
@@ -307,6 +308,23 @@ TEST(MeshBlocks, CrowdedFacesAndPointsWithoutDataAreCountedOnce) {
   EXPECT_EQ(counts.crowdedFaces, 1u);
   EXPECT_EQ(counts.noDataPoints, 2u);
   EXPECT_EQ(counts.cells[kTets], 3u);
+}
+
+// Two cells of a face, of which the second is on the other side, on the same side, and flat.
+TEST(MeshBlocks, FacesWhoseCellsOverlapAreCountedOnce) {
+  for (const double z : {-1.0, 0.5, 0.0}) {
+    MeshPiece mesh;
+    mesh.points = {{0.4, 0, 0}, {0.6, 0, 0}, {0.5, 1, 0}, {0.5, 0.3, 1}, {0.5, 0.2, z}};
+    mesh.values.resize(5);
+    mesh.numbers = {0, 1, 2, 3, 4};
+    mesh.cells.points[kTets] = {0, 1, 2, 3, 0, 1, 2, 4};
+    const Partitioning two = Partitioning::lattice(
+        {std::vector<double>{0, 0.5, 1}, std::vector<double>{0, 1}, std::vector<double>{-1, 2}}, 2);
+    std::mt19937 random(1);
+    MeshBlockCounts counts;
+    EXPECT_EQ(dealtOut(mesh, two, 2, random, counts).size(), 2u);
+    EXPECT_EQ(counts.foldedFaces, z < 0 ? 0u : 1u) << z;
+  }
 }
 
 TEST(MeshBlocks, PartitionsWithoutCellsHaveNoBlock) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/comm/error.h"
+#include "tests/agreement/draw.h"
 #include "tests/meshes/mesh_scenes.h"
 
 namespace gxy::test {
@@ -233,15 +234,38 @@ TEST(MeshAgreement, MapsThatHideMostOfTheRange) {
 
 TEST(MeshAgreement, WhatMeshesCannotShowYetIsRefused) {
   TestScene scene = wavyScene("mesh_refused", haze());
-  scene.visualization.operators[0].isovalues = {0.1};
-  EXPECT_THROW(scene.compile(), Error);
-  scene.visualization.operators[0].isovalues.clear();
-  scene.visualization.operators[0].slices = {{{0, 0, 1}, 0}};
-  EXPECT_THROW(scene.compile(), Error);
-  scene.visualization.operators[0].slices.clear();
   EXPECT_NO_THROW(scene.compile());
+  scene.visualization.operators[0].every = 0.1;
+  EXPECT_THROW(scene.compile(), Error);
+  scene.visualization.operators[0].every = 0;
   scene.add(haze(), agreement::makeVolume(agreement::cube(6), waves));
   EXPECT_THROW(scene.compile(), Error);
+}
+
+// A mesh that is not volume rendered takes part in no plan of volumes that are.
+TEST(MeshAgreement, SurfacesOfAMeshAreShownInTwoVolumes) {
+  for (const bool transparent : {false, true}) {
+    TestScene scene =
+        wavyScene("mesh_beside_volumes", transparent ? rendered({{-1, 0}, {1, 0}}, -1, 1) : haze());
+    Vis& mesh = scene.visualization.operators[0];
+    mesh.isovalues = {0.1};
+    mesh.volumeRendering = transparent;
+    for (int i = 0; i < 2; i++) scene.add(haze(), agreement::makeVolume(agreement::cube(6), waves));
+    expectAgreement(embree(), scene, kFirstAlone);
+  }
+}
+
+TEST(MeshAgreement, SlicesInTheSidesOfAMesh) {
+  for (const double at : {-1.0, 1.0}) {
+    TestScene scene = meshScene("mesh_side", agreement::surfaces(VisType::Volume, -1, 1),
+                                cubeMesh(4, 0, [](glm::dvec3 p) { return p.x + 0.5 * p.y; }), 32);
+    scene.visualization.operators[0].slices = {{{0, 0, 1}, at}};
+    scene.camera.viewpoint = {0.3, 0.4, 6};
+    scene.camera.viewdirection = {-0.3, -0.4, -6};
+    scene.settings.background = glm::dvec4(0);
+    const Picture picture = agreement::draw(embree(), scene);
+    EXPECT_GT(picture.rgba[4 * (16 * 32 + 16) + 3], 0.5f) << at;
+  }
 }
 
 }  // namespace

@@ -97,22 +97,66 @@ class Field {
   const std::optional<int> component_;
 };
 
+/// Calls found(surface) for the isosurfaces and slices near the point, given the value and the gradient there.
+template <class Found>
+void foundIn(const Vis& vis, double value, glm::dvec3 gradient, glm::dvec3 point, const Found& found) {
+  const double slope = glm::length(gradient);
+  for (size_t i = 0; i < vis.isovalues.size(); i++)
+    if (slope > 0)
+      found({std::abs(value - vis.isovalues[i]) / slope, 0, i, vis.isovalues[i], gradient / slope});
+  for (size_t i = 0; i < vis.slices.size(); i++) {
+    const Plane& slice = vis.slices[i];
+    const double length = glm::length(slice.normal);
+    found({std::abs(glm::dot(slice.normal, point) - slice.offset) / length, 0, vis.isovalues.size() + i,
+           value, slice.normal / length});
+  }
+}
+
 /// Calls found(surface) for the isosurfaces and slices of a volume near the point.
 template <class Found>
 void ofVolume(const Vis& vis, const Volume& volume, glm::dvec3 point, const Found& found) {
   for (const auto& [partition, block] : volume.blocks) {
     const auto here = Field(volume, block, vis.component).at(point);
-    if (!here) continue;
-    const double slope = glm::length(here->gradient);
-    for (size_t i = 0; i < vis.isovalues.size(); i++)
-      if (slope > 0)
-        found({std::abs(here->value - vis.isovalues[i]) / slope, 0, i, vis.isovalues[i],
-               here->gradient / slope});
-    for (size_t i = 0; i < vis.slices.size(); i++) {
-      const Plane& slice = vis.slices[i];
-      const double length = glm::length(slice.normal);
-      found({std::abs(glm::dot(slice.normal, point) - slice.offset) / length, 0, vis.isovalues.size() + i,
-             here->value, slice.normal / length});
+    if (here) foundIn(vis, here->value, here->gradient, point, found);
+  }
+}
+
+/// The true value that an operator shows of a point of a mesh.
+double shownValue(const Mesh& mesh, const MeshBlock& block, size_t point, std::optional<int> component) {
+  const auto components = size_t(mesh.components);
+  const auto value = [&](size_t c) {
+    return mesh.shift + mesh.scale * double(block.values[point * components + c]);
+  };
+  if (component || components == 1) return value(size_t(component.value_or(0)));
+  double squares = 0;
+  for (size_t c = 0; c < components; c++) squares += value(c) * value(c);
+  return std::sqrt(squares);
+}
+
+/// Calls found(surface) for the isosurfaces and slices of an unstructured volume in the cells that hold the point.
+template <class Found>
+void ofMesh(const Vis& vis, const Mesh& mesh, glm::dvec3 point, const Found& found) {
+  if (vis.isovalues.empty() && vis.slices.empty()) return;
+  constexpr double kSlack = 1e-4;  // of a cell: what float leaves of a point on its border
+  for (const auto& [partition, block] : mesh.blocks) {
+    const std::vector<uint32_t>& corners = block.cells.points[size_t(CellType::Tetrahedron)];
+    for (size_t cell = 0; cell < corners.size(); cell += 4) {
+      const uint32_t* c = &corners[cell];
+      const glm::dvec3 origin = block.points[c[0]], u = block.points[c[1]] - origin,
+                       v = block.points[c[2]] - origin, w = block.points[c[3]] - origin;
+      const glm::dvec3 vw = glm::cross(v, w), wu = glm::cross(w, u), uv = glm::cross(u, v),
+                       to = point - origin;
+      const double volume = glm::dot(u, vw);
+      if (volume == 0) continue;
+      const glm::dvec3 share = glm::dvec3(glm::dot(to, vw), glm::dot(to, wu), glm::dot(to, uv)) / volume;
+      if (std::min({share.x, share.y, share.z, 1 - share.x - share.y - share.z}) < -kSlack) continue;
+      const auto value = [&](size_t i) { return shownValue(mesh, block, c[i], vis.component); };
+      const double first = value(0);
+      const glm::dvec3 rise = glm::dvec3(value(1), value(2), value(3)) - first;
+      const double here = first + glm::dot(share, rise);
+      if (!std::isfinite(here)) continue;
+      const glm::dvec3 gradient = (rise.x * vw + rise.y * wu + rise.z * uv) / volume;
+      foundIn(vis, here, gradient, point, found);
     }
   }
 }
@@ -206,6 +250,7 @@ std::optional<SurfaceAt> surfaceAt(const CompiledScene& scene, glm::dvec3 point)
     };
     const OperatorData& data = scene.operators[i].data;
     if (data.volume) ofVolume(vis, *data.volume, point, found);
+    if (data.mesh) ofMesh(vis, *data.mesh, point, found);
     if (data.geometry) ofGeometry(vis, *data.geometry, point, found);
   }
   return nearest;
