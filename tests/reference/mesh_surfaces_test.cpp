@@ -120,6 +120,32 @@ TEST(MeshIsosurface, ClosesWhateverTheValuesAtItsPointsAre) {
   }
 }
 
+// The rays go to where the surface crosses edges and faces of cells, as far as rounding lets them.
+TEST(MeshIsosurface, ClosesForRaysToWhereItLeavesACell) {
+  Uniform random(23);
+  const MeshPiece piece =
+      cubeOfTets(5, inside(0.03, 4), [&](glm::dvec3 p) { return inBox(p, 0) ? random.in(-1, 1.5) : -1.0; });
+  const MeshSurface surface = isosurfaceOf(piece, 0.1);
+  const auto& corners = piece.cells.points[kTets];
+  const auto root = [&](uint32_t a, uint32_t b) {
+    const double la = piece.values[a] - 0.1, lb = piece.values[b] - 0.1;
+    return mix(piece.points[a], piece.points[b], la / (la - lb));
+  };
+  int rays = 0;
+  for (size_t i = 0; i < corners.size(); i += 4) {
+    const auto higher = [&](size_t k) { return piece.values[corners[i + k]] > 0.1; };
+    if (higher(0) == higher(1) || higher(0) == higher(2)) continue;
+    const glm::dvec3 one = root(corners[i], corners[i + 1]), other = root(corners[i], corners[i + 2]);
+    for (const glm::dvec3 at : {one, other, mix(one, other, 0.3), mix(one, other, 0.5)})
+      for (int k = 0; k < 8; k++) {
+        const glm::dvec3 out = glm::normalize(random.inCube(1));
+        EXPECT_EQ(surface.along(towards(at + 3.0 * out, at)).size() % 2, 0u);
+        rays++;
+      }
+  }
+  EXPECT_GT(rays, 1000);
+}
+
 TEST(MeshIsosurface, OfADistanceConvergesToASphere) {
   const glm::dvec3 centre(0.5);
   double before = 0;
