@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The nearest surface of geometry: a hierarchy of boxes finds candidates, nearest first, the leaf tests of core/kernels decide, and ties
+// The nearest surface of geometry, and of isosurfaces and slices of meshes: a hierarchy of boxes finds candidates, nearest first, the leaf tests of core/kernels decide, and ties
 // go to the lowest (operator, primitive), so that the order in which they are found does not show. With ANY_HIT, rays
 // that meet one just become opaque.
 #include "shaders/kernels.glsl"
@@ -27,6 +27,8 @@ bool hitPrimitive(OperatorView op, uint p, vec3 o, vec3 d, float after, LastHit 
     uint i = cornerOf(op, 3u * p), j = cornerOf(op, 3u * p + 1u), k = cornerOf(op, 3u * p + 2u);
     hit = hitTriangle(o, d, pointOf(op, i), pointOf(op, j), pointOf(op, k), after, t, wb, wc);
   }
+  if ((SURFACES & SURFACE_CELLS) != 0 && op.kind == KIND_MESH)
+    hit = hitCell(frameRay(o, d), levelCorner(op, p, 0), levelCorner(op, p, 1), levelCorner(op, p, 2), levelCorner(op, p, 3), after, t);
   return hit;
 }
 

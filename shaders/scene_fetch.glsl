@@ -82,6 +82,9 @@ vec4 vertexOf(OPERATOR op, uint i) { return uintBitsToFloat(geometryQuad(op.poin
 uint cellCorner(OPERATOR op, uint i) { return geometryWord(op.indices + i); }
 uint cellNeighbour(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); }
 uint shellFace(OPERATOR op, uint i) { return geometryWord(op.shell + i); }
+vec4 levelCorner(OPERATOR op, uint p, int k) { return uintBitsToFloat(geometryQuad(op.levelCorners + 16u * p + 4u * uint(k))); }
+vec4 levelValues(OPERATOR op, uint p) { return uintBitsToFloat(geometryQuad(op.levelValues + 4u * p)); }
+uint surfaceOf(OPERATOR op, uint p) { return geometryWord(op.surfaces + p); }
 vec3 sliceNormal(OPERATOR op, uint i) {
   uint k = op.slice + 4u * i;
   return vec3(tableReal(k), tableReal(k + 1u), tableReal(k + 2u));

@@ -96,25 +96,28 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
       const OperatorInPartition* mine = found == op.parts.end() ? nullptr : &found->second;
       fillVolumeView(part.fields[i], op, mine, pointers);
       fillOperatorView(part.operators[i], op, pointers);
-      if (!mine || !mine->geometry) continue;
-      fillPrimitives(part.operators[i], *mine->geometry, pointers);
-      part.trees.resize(operators.size());
+      if (!mine) continue;
       const Advance building = partOf(advance, k * operators.size() + i, owned.size() * operators.size());
-      part.trees[i] = shared_->trees.get(
-          mine->geometry.get(),
-          [&] {
-            return buildGeometryTree(part.operators[i].kind, *mine->geometry, ispc::gangWidth(), building);
-          },
-          [&] { building(0); });
-      const GeometryTreeView view{part.trees[i]->nodes.data(), part.trees[i]->leaves.data()};
+      const auto treeOver = [&](const GeometryInPartition& primitives, int kind) {
+        part.trees.push_back(shared_->trees.get(
+            &primitives, [&] { return buildGeometryTree(kind, primitives, ispc::gangWidth(), building); },
+            [&] { building(0); }));
+        return GeometryTreeView{part.trees.back()->nodes.data(), part.trees.back()->leaves.data()};
+      };
+      const GeometryInPartition* primitives = mine->geometry.get();
+      if (primitives) fillPrimitives(part.operators[i], *primitives, pointers);
       if (op.data.mesh) {
-        part.shellViews.resize(operators.size());
-        part.shellViews[i] = view;
-        part.operators[i].shellHierarchy = &part.shellViews[i];
-      } else {
-        part.treeViews.resize(operators.size());
-        part.treeViews[i] = view;
+        if (primitives) {
+          part.shellViews.resize(operators.size());
+          part.shellViews[i] = treeOver(*primitives, KIND_SHELL);
+          part.operators[i].shellHierarchy = &part.shellViews[i];
+        }
+        primitives = mine->surfaces.get();
+        if (primitives) fillSurfaces(part.operators[i], *primitives, pointers);
       }
+      if (!primitives) continue;
+      part.treeViews.resize(operators.size());
+      part.treeViews[i] = treeOver(*primitives, part.operators[i].kind);
     }
     part.view.operators = int(operators.size());
     part.view.operator_ = part.operators.data();
@@ -385,8 +388,7 @@ size_t EmbreeScene::bytes() const {
 std::vector<SharedBytes> EmbreeScene::sharedBytes() const {
   std::vector<SharedBytes> shared;
   for (const auto& [p, part] : parts_)
-    for (const auto& tree : part.trees)
-      if (tree) shared.push_back({tree.get(), tree->bytes()});
+    for (const auto& tree : part.trees) shared.push_back({tree.get(), tree->bytes()});
   return shared;
 }
 

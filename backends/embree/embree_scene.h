@@ -36,9 +36,9 @@ class EmbreeScene final : public DeviceScene {
     single::SceneView view{};
     std::vector<single::OperatorView> operators;
     std::vector<single::VolumeView> fields;
-    std::vector<std::shared_ptr<const GeometryTree>> trees;  ///< per operator; empty if there is no geometry
-    std::vector<GeometryTreeView> treeViews;                  ///< of geometry
-    std::vector<GeometryTreeView> shellViews;                 ///< of meshes
+    std::vector<std::shared_ptr<const GeometryTree>> trees;  ///< what the views below see
+    std::vector<GeometryTreeView> treeViews;   ///< of surfaces, per operator; empty if there are none
+    std::vector<GeometryTreeView> shellViews;  ///< of shells of meshes, likewise
   };
   class Packet;
 

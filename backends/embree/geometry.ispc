@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hits of particles, path lines and triangles.
+// Hits of particles, path lines, triangles, and isosurfaces and slices of meshes.
 #include "backends/embree/geometry.isph"
 
 // Finds each ray's nearest hit of geometry. With anyHit, rays that hit something just become opaque (A = 1),
@@ -53,7 +53,7 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
           LANE(g, metBX) = met.b.x, LANE(g, metBY) = met.b.y, LANE(g, metBZ) = met.b.z;
         }
       }
-      if (kind == KIND_TRIANGLES) takeFrame(g, frameOf(d));
+      if (kind == KIND_TRIANGLES || kind == KIND_MESH) takeFrame(g, frameOf(d));
       if (anyHit) {
         uniform int64 goOn = meetBundles(g, lanes, lone, kind, tree[k], true, false);
         bool met = isIn(lanes & ~goOn);

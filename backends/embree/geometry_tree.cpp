@@ -18,7 +18,8 @@ namespace {
 int rowsOf(int kind) {
   return kind == KIND_PARTICLES   ? TREE_SPHERE_ROWS
          : kind == KIND_PATHLINES ? TREE_TUBE_ROWS
-         : kind == KIND_MESH      ? TREE_SHELL_ROWS
+         : kind == KIND_MESH      ? TREE_CELL_ROWS
+         : kind == KIND_SHELL     ? TREE_SHELL_ROWS
                                   : TREE_TRIANGLE_ROWS;
 }
 
@@ -39,6 +40,8 @@ std::array<float, TREE_TUBE_ROWS> rowsOf(int kind, const GeometryInPartition& pa
       rows[16 + k] = near[k] != ends[k];
     }
   } else if (kind == KIND_MESH) {
+    std::copy_n(part.points.data() + 16 * size_t(primitive), 16, rows.data());
+  } else if (kind == KIND_SHELL) {
     const FaceId face = part.shell[primitive];
     size_t row = 0;
     for (int k = 0; k < 4; k++)

@@ -34,7 +34,7 @@ export void integrateRaysOfMesh(const void* uniform scene, void* uniform rays, u
       LANE(g, tFar) = most;
       LANE(g, tClip) = most;
       LANE(g, primitive) = NO_PRIMITIVE;
-      meetBundles(g, lanes, lone, KIND_MESH, *tree, false, false);
+      meetBundles(g, lanes, lone, KIND_SHELL, *tree, false, false);
       goes = goes && LANE(g, primitive) != NO_PRIMITIVE;
       if (goes) {
         last.t = LANE(g, tFar);

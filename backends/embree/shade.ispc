@@ -3,12 +3,15 @@
 // light (light_terms.h).
 #include "backends/embree/kernel.isph"
 
-static inline Surface geometrySurface(OPERATOR op, unsigned int p, vec3 o, vec3 d, float after) {
+static inline Surface geometrySurface(OPERATOR op, unsigned int p, vec3 o, vec3 d, float t) {
   Surface f;
+  float after = justBefore(t);
   if (op.kind == KIND_PARTICLES)
     f = sphereSurface(op, p, o, d, after);
   else if (op.kind == KIND_PATHLINES)
     f = tubeSurface(op, p, o, d, after);
+  else if (op.kind == KIND_MESH)
+    f = cellSurface(op, p, o, d, t);
   else
     f = triangleSurface(op, p, o, d, after);
   return f;
@@ -22,7 +25,7 @@ static inline void surfaceHit(SCENE s, RAYS r, uniform int op, int i, vec3 o, ve
   if (view.kind == KIND_VOLUME) {
     hit = fieldSurface(view, v, r.hitKind[i], r.hitPrimitive[i], o, d, r.tHit[i]);
   } else {
-    hit = geometrySurface(view, r.hitPrimitive[i], o, d, justBefore(r.tHit[i]));
+    hit = geometrySurface(view, r.hitPrimitive[i], o, d, r.tHit[i]);
   }
   surface = surfaceSeen(hit, d, view.twoSided != 0);
   color = surfaceColor(view, surface);

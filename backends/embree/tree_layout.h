@@ -20,4 +20,5 @@
 // Two points, the points before and after (x y z radius each), and whether those two exist.
 #define TREE_TUBE_ROWS 18
 #define TREE_TRIANGLE_ROWS 9  // three corners
+#define TREE_CELL_ROWS 16     // four corners and their levels
 #define TREE_SHELL_ROWS 10    // three corners, and the face (GeometryInPartition::shell)

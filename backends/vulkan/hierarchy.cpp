@@ -59,11 +59,13 @@ class Flatten {
   Hierarchy& out_;
 };
 
-void addPrimitives(std::vector<RTCBuildPrimitive>& all, const CompiledScene& scene, size_t op,
-                   int partition) {
+// Appends the primitives of this kind that an operator has in the partition.
+void addPrimitives(std::vector<RTCBuildPrimitive>& all, const CompiledScene& scene, size_t op, int partition,
+                   int kind) {
   const auto found = scene.operators[op].parts.find(partition);
-  if (found != scene.operators[op].parts.end() && found->second.geometry)
-    embree::addPrimitives(all, unsigned(op), viewKindOf(scene.operators[op]), *found->second.geometry);
+  if (found == scene.operators[op].parts.end()) return;
+  const auto& primitives = kind == KIND_MESH ? found->second.surfaces : found->second.geometry;
+  if (primitives) embree::addPrimitives(all, unsigned(op), kind, *primitives);
 }
 
 Hierarchy hierarchyOver(std::vector<RTCBuildPrimitive> primitives, const Advance& advance) {
@@ -80,13 +82,13 @@ Hierarchy hierarchyOver(std::vector<RTCBuildPrimitive> primitives, const Advance
 Hierarchy hierarchyOf(const CompiledScene& scene, int partition, const Advance& advance) {
   std::vector<RTCBuildPrimitive> primitives;
   for (size_t op = 0; op < scene.operators.size(); op++)
-    if (!scene.operators[op].data.mesh) addPrimitives(primitives, scene, op, partition);
+    addPrimitives(primitives, scene, op, partition, viewKindOf(scene.operators[op]));
   return hierarchyOver(std::move(primitives), advance);
 }
 
 Hierarchy shellHierarchyOf(const CompiledScene& scene, int op, int partition, const Advance& advance) {
   std::vector<RTCBuildPrimitive> primitives;
-  addPrimitives(primitives, scene, size_t(op), partition);
+  addPrimitives(primitives, scene, size_t(op), partition, KIND_SHELL);
   return hierarchyOver(std::move(primitives), advance);
 }
 

@@ -70,14 +70,17 @@ bool needsBlocksOfScene(const CompiledSampling& sampling, int partition) {
          });
 }
 
-// The geometry of each operator in a partition, or null; scenes with the same geometry share it.
+// The geometry of each operator in a partition, or null, and then the cells that its surfaces pass, or null; scenes with the same ones
+// share them.
 std::vector<const GeometryInPartition*> geometryOf(const CompiledScene& scene, int partition) {
-  std::vector<const GeometryInPartition*> all;
+  std::vector<const GeometryInPartition*> geometry, surfaces;
   for (const CompiledOperator& op : scene.operators) {
     const OperatorInPartition* part = shownIn(op, partition);
-    all.push_back(part ? part->geometry.get() : nullptr);
+    geometry.push_back(part ? part->geometry.get() : nullptr);
+    surfaces.push_back(part ? part->surfaces.get() : nullptr);
   }
-  return all;
+  geometry.insert(geometry.end(), surfaces.begin(), surfaces.end());
+  return geometry;
 }
 
 // The `put` of fill_views.h: samples go one behind the other, all else goes to `words`, which are tables or
@@ -137,6 +140,7 @@ class Uploading {
       fillVolumeView(fields_.emplace_back(), op, part, inTables_);
       shader::OperatorView& view = operators_.emplace_back();
       fillOperatorView(view, op, inTables_);
+      if (primitives_[scene.operators.size() + i]) out_.geometryKinds |= SURFACE_CELLS;
       if (primitives_[i]) {
         constexpr int kBits[] = {0, SURFACE_PARTICLES, SURFACE_PATHLINES, SURFACE_TRIANGLES, 0};
         out_.geometryKinds |= kBits[view.kind];
@@ -175,7 +179,8 @@ class Uploading {
       out_.geometry = shared.geometry.get(
           primitives_, [&] { return makeGeometry(); }, [&] { advance_(0); });
       view_.hierarchy = out_.geometry->hierarchy;
-      for (size_t i = 0; i < primitives_.size(); i++) {
+      const size_t operators = scene_.operators.size();
+      for (size_t i = 0; i < operators; i++) {
         const shader::OperatorView& at = out_.geometry->places[i];
         shader::OperatorView& view = operators_[i];
         view.primitives = at.primitives;
@@ -186,6 +191,10 @@ class Uploading {
         view.indices = at.indices;
         view.neighbours = at.neighbours;
         view.shell = at.shell;
+        view.surfaceCells = at.surfaceCells;
+        view.levelCorners = at.levelCorners;
+        view.levelValues = at.levelValues;
+        view.surfaces = at.surfaces;
         view.shellHierarchy = at.shellHierarchy;
       }
     }
@@ -295,12 +304,14 @@ class Uploading {
     GeometryOnDevice made;
     Words words;
     Places places(words);
-    for (const GeometryInPartition* part : primitives_) {
+    const size_t operators = scene_.operators.size();
+    for (size_t i = 0; i < operators; i++) {
       shader::OperatorView& at = made.places.emplace_back();
-      if (part) fillPrimitives(at, *part, places);
+      if (primitives_[i]) fillPrimitives(at, *primitives_[i], places);
+      if (primitives_[operators + i]) fillSurfaces(at, *primitives_[operators + i], places);
     }
     made.hierarchy = add(hierarchyOf(scene_, partition_, partOf(advance_, 0, 4)), words);
-    for (size_t i = 0; i < primitives_.size(); i++)
+    for (size_t i = 0; i < operators; i++)
       if (out_.hasCells[i])
         made.places[i].shellHierarchy =
             add(shellHierarchyOf(scene_, int(i), partition_, partOf(advance_, 0, 4)), words);
@@ -351,7 +362,7 @@ class Uploading {
   PartitionOnDevice out_;
   Words tables_;
   Places inTables_{tables_};
-  std::vector<const GeometryInPartition*> primitives_;  // per operator; null if it has none
+  std::vector<const GeometryInPartition*> primitives_;  // geometryOf()
   shader::SceneView view_{};
   std::vector<shader::OperatorView> operators_;
   std::vector<shader::VolumeView> fields_;

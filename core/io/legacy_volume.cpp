@@ -148,7 +148,8 @@ class LegacyImage {
     if (word == "DATASET") {
       const std::string kind = keyword("STRUCTURED_POINTS");
       if (kind != "STRUCTURED_POINTS")
-        words_.fail("found " + inQuotes(kind) + ", expected STRUCTURED_POINTS");
+        words_.fail("found " + inQuotes(kind) +
+                    ", expected STRUCTURED_POINTS, or UNSTRUCTURED_GRID of tetrahedra");
     } else if (word == "DIMENSIONS") {
       for (int64_t& n : image_.points) n = integer(1, kMost, "a number of points");
     } else if (word == "EXTENT") {

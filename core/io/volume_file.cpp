@@ -59,10 +59,9 @@ bool isVolumeFile(const std::string& path) {
 }
 
 std::string readableFormats() {
-  return "volumes as .vti .pvti .vtk .vol .json .mha .mhd .nrrd .nhdr .nii .nii.gz .npy, of tetrahedra as "
-         ".vtu .pvtu "
-         ".vtk, geometry as .vtu "
-         ".pvtu .vtp .pvtp .vts .vtr .vtk .ply .stl .obj .off .csv .xyz .part";
+  return "volumes as .vti .pvti .vtk .vol .json .mha .mhd .nrrd .nhdr .nii .nii.gz .npy, geometry as .vtu "
+         ".pvtu .vtp .pvtp .vts .vtr .vtk .ply .stl .obj .off .csv .xyz .part, unstructured volumes of "
+         "tetrahedra as .vtu .pvtu .vtk .part";
 }
 
 VolumeFile openVolume(const std::string& path, const std::string& array) {

@@ -10,6 +10,7 @@
 #include "core/kernels/lattice.h"
 #include "core/kernels/primitives.h"
 #include "core/kernels/surface.h"
+#include "core/kernels/cell_surface.h"
 #include "core/kernels/light_terms.h"
 #include "core/kernels/act_sample.h"
 // clang-format on

@@ -6,7 +6,8 @@
 #define KIND_PARTICLES 1
 #define KIND_PATHLINES 2
 #define KIND_TRIANGLES 3
-#define KIND_MESH 4  // an unstructured volume
+#define KIND_MESH 4   // an unstructured volume; its primitives are the cells of its isosurfaces and slices
+#define KIND_SHELL 5  // the faces of its shell, in hierarchies
 
 // The most volumes that one march integrates together (multi_volume.h).
 #define MANY_VOLUMES 8
@@ -31,7 +32,13 @@ struct OperatorView {
   PTR(uint) indices;  // 2 or 3 per primitive; of a mesh: 4 per tetrahedron, which ascend
   // Of segments: the points before and after; the segment's own end if there is none. Of a mesh: 4 per tetrahedron (mesh.h).
   PTR(uint) neighbours;
-  PTR(uint) shell;     // of a mesh: one per primitive (mesh.h)
+  PTR(uint) shell;  // of a mesh: one per primitive (mesh.h)
+  // Of a mesh: per cell that an isosurface or a slice passes, in which it is the one of cell_surface.h, 4 corners of x y z level, the 4
+  // values there, and the number of the surface.
+  uint surfaceCells;
+  PTR(real) levelCorners;
+  PTR(real) levelValues;
+  PTR(uint) surfaces;
   RAW shellHierarchy;  // over the shell of a mesh, in the backend's own form
 };
 

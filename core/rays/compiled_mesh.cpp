@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/rays/compiled_mesh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "core/comm/error.h"
 #include "core/comm/parallel_for.h"
@@ -12,64 +17,70 @@ namespace gxy {
 
 namespace {
 
-// What the operator shows of a point's stored values.
-class ShownValues {
- public:
-  ShownValues(const CompiledOperator& op, const MeshBlock& block)
-      : values_(block.values),
-        components_(size_t(op.data.mesh->components)),
-        component_(op.vis.component.value_or(-1)) {}
+using OtherScenes = std::span<const std::shared_ptr<const CompiledScene>>;
 
-  float operator()(size_t point) const {
-    const float* of = values_.data() + point * components_;
-    if (components_ == 1) return of[0];
-    if (component_ >= 0) return of[component_];
+// What the operator shows of the stored values of each point.
+std::vector<float> shownValues(const CompiledOperator& op, const MeshBlock& block) {
+  const auto components = size_t(op.data.mesh->components);
+  if (components == 1) return block.values;
+  std::vector<float> shown(block.points.size());
+  for (size_t p = 0; p < shown.size(); p++) {
+    const float* of = block.values.data() + p * components;
     float squares = 0;
-    for (size_t c = 0; c < components_; c++) squares += of[c] * of[c];
-    return std::sqrt(squares);
+    for (size_t c = 0; c < components; c++) squares += of[c] * of[c];
+    shown[p] = op.vis.component ? of[size_t(*op.vis.component)] : std::sqrt(squares);
   }
+  return shown;
+}
 
-  // Of all points; empty if none has a finite value.
-  Range range() const {
-    Range range;
-    for (size_t p = 0; p * components_ < values_.size(); p++) range.extend(double((*this)(p)));
-    return range;
-  }
-
- private:
-  const std::vector<float>& values_;
-  const size_t components_;
-  const int component_;
-};
+Range rangeOf(std::span<const float> values) {
+  Range range;
+  for (const float v : values) range.extend(double(v));
+  return range;
+}
 
 // Whether the map shows something of stored values in this range.
 bool shows(const CompiledMap& map, const Range& range) {
   return !range.empty() && map.over(float(range.min), float(range.max)).extinction > 0;
 }
 
-// Returns the cells of another scene that shows the same values of the same mesh; null if there are none.
-std::shared_ptr<const GeometryInPartition> cellsAmong(
-    std::span<const std::shared_ptr<const CompiledScene>> scenes, const CompiledOperator& op,
-    const RenderSpace& space, int partition) {
+bool showsSameValues(const CompiledOperator& a, const CompiledOperator& b) {
+  return a.data.mesh == b.data.mesh && a.summary == b.summary;
+}
+
+bool showsSameSurfaces(const CompiledOperator& a, const CompiledOperator& b) {
+  return showsSameValues(a, b) && a.isovalues == b.isovalues && a.slices == b.slices;
+}
+
+// Returns what another scene has in the partition of an operator that is the same in this respect; null if there is none.
+std::shared_ptr<const GeometryInPartition> partAmong(
+    OtherScenes scenes, const CompiledOperator& op, const RenderSpace& space, int partition,
+    std::shared_ptr<const GeometryInPartition> OperatorInPartition::*which,
+    bool (*isSame)(const CompiledOperator&, const CompiledOperator&)) {
   for (const auto& scene : scenes)
     for (const CompiledOperator& o : scene->operators) {
-      if (o.data.mesh != op.data.mesh || o.summary != op.summary || scene->space != space) continue;
+      if (scene->space != space || !isSame(o, op)) continue;
       const auto part = o.parts.find(partition);
-      if (part != o.parts.end()) return part->second.geometry;
+      if (part != o.parts.end() && part->second.*which) return part->second.*which;
     }
   return nullptr;
 }
 
-GeometryInPartition cellsOf(const MeshBlock& block, const ShownValues& shown, const RenderSpace& space,
+glm::vec3 placeIn(const RenderSpace& space, const glm::dvec3& point) {
+  const glm::dvec3 p = space.toRender(point);
+  return {float(p.x), float(p.y), float(p.z)};
+}
+
+GeometryInPartition cellsOf(const MeshBlock& block, std::span<const float> shown, const RenderSpace& space,
                             const Advance& advance) {
   GeometryInPartition cells;
   cells.points.resize(block.points.size() * 4);
   parallelFor(
       size_t(0), block.points.size(),
       [&](size_t i) {
-        const glm::dvec3 p = space.toRender(block.points[i]);
-        for (int a = 0; a < 3; a++) cells.points[4 * i + size_t(a)] = float(p[a]);
-        cells.points[4 * i + 3] = shown(i);
+        const glm::vec3 p = placeIn(space, block.points[i]);
+        std::copy_n(&p.x, 3, &cells.points[4 * i]);
+        cells.points[4 * i + 3] = shown[i];
       },
       advance);
   cells.indices = block.cells.points[size_t(CellType::Tetrahedron)];
@@ -79,17 +90,65 @@ GeometryInPartition cellsOf(const MeshBlock& block, const ShownValues& shown, co
   return cells;
 }
 
+// Appends the cells that a surface passes, given the level at each point. It passes a cell if the level is above 0 at some of its
+// corners and not at others.
+void addSurface(const MeshBlock& block, std::span<const float> shown, std::span<const float> level,
+                uint32_t surface, std::optional<float> isovalue, const RenderSpace& space,
+                GeometryInPartition& cells) {
+  const std::vector<uint32_t>& corners = block.cells.points[size_t(CellType::Tetrahedron)];
+  for (size_t cell = 0; cell < corners.size(); cell += 4) {
+    const std::span<const uint32_t> at(&corners[cell], 4);
+    const auto above = std::count_if(at.begin(), at.end(), [&](uint32_t p) { return level[p] > 0; });
+    const bool noData =
+        std::any_of(at.begin(), at.end(), [&](uint32_t p) { return !std::isfinite(shown[p]); });
+    if (above == 0 || above == 4 || noData) continue;
+    for (const uint32_t p : at) {
+      const glm::vec3 place = placeIn(space, block.points[p]);
+      cells.points.insert(cells.points.end(), {place.x, place.y, place.z, level[p]});
+      cells.values.push_back(isovalue.value_or(shown[p]));
+    }
+    cells.indices.push_back(surface);
+  }
+}
+
+// Returns the cells that the operator's surfaces pass; null if there are none.
+std::shared_ptr<const GeometryInPartition> surfacesOf(const CompiledOperator& op, const MeshBlock& block,
+                                                      std::span<const float> shown, const RenderSpace& space,
+                                                      const Advance& advance) {
+  GeometryInPartition cells;
+  std::vector<float> level(shown.size());
+  const size_t count = op.slices.size() + op.isovalues.size();
+  for (size_t surface = 0; surface < count; surface++) {
+    tell(advance, surface, count);
+    std::optional<float> isovalue;
+    if (surface < op.slices.size()) {
+      const CompiledPlane& plane = op.slices[surface];
+      const glm::dvec3 normal(plane.x, plane.y, plane.z);
+      for (size_t p = 0; p < level.size(); p++)
+        level[p] =
+            float(glm::dot(normal, glm::dvec3(placeIn(space, block.points[p]))) - double(plane.offset));
+    } else {
+      isovalue = op.isovalues[surface - op.slices.size()];
+      for (size_t p = 0; p < level.size(); p++) level[p] = shown[p] - *isovalue;
+    }
+    addSurface(block, shown, level, uint32_t(surface), isovalue, space, cells);
+  }
+  if (cells.indices.empty()) return nullptr;
+  if (cells.indices.size() >= UINT32_MAX / 16)
+    throw Error("dataset \"" + op.vis.dataset + "\": surfaces pass " + std::to_string(cells.indices.size()) +
+                " cells of one partition, expected fewer than 2^28; cut the data into more partitions");
+  cells.primitives = uint32_t(cells.indices.size());
+  return std::make_shared<const GeometryInPartition>(std::move(cells));
+}
+
 }  // namespace
 
 void compileMesh(CompiledOperator& op, const CompiledScene& scene) {
   const Mesh& mesh = *op.data.mesh;
-  const auto refuse = [&](const char* what) {
-    throw Error("dataset \"" + op.vis.dataset + "\": " + what +
-                " of unstructured volumes cannot be shown yet, expected volume rendering alone");
-  };
-  if (!op.vis.isovalues.empty()) refuse("isosurfaces");
-  if (!op.vis.slices.empty()) refuse("slices");
-  if (op.vis.every > 0) refuse("places at equal distances");
+  if (op.vis.every > 0)
+    throw Error(
+        "dataset \"" + op.vis.dataset +
+        "\": rays cannot meet an unstructured volume at equal distances yet, expected isosurfaces or slices");
   if (op.vis.component && *op.vis.component >= mesh.components)
     throw Error("dataset \"" + op.vis.dataset + "\": component " + std::to_string(*op.vis.component) +
                 " was asked for, it has " + std::to_string(mesh.components) + " (counted from 0)");
@@ -102,20 +161,31 @@ void compileMesh(CompiledOperator& op, const CompiledScene& scene) {
   if (!stored.empty())
     stored = {(stored.min - mesh.shift) / mesh.scale, (stored.max - mesh.shift) / mesh.scale};
   if (!shows(op.map, stored)) op.vis.volumeRendering = false;  // nothing of the mesh would be seen
+  for (const double v : op.vis.isovalues) op.isovalues.push_back(float((v - mesh.shift) / mesh.scale));
 }
 
-void planMesh(CompiledOperator& op, CompiledScene& scene,
-              std::span<const std::shared_ptr<const CompiledScene>> others, const Advance& advance) {
-  if (!op.vis.volumeRendering) return;
+void planMesh(CompiledOperator& op, CompiledScene& scene, OtherScenes others, const Advance& advance) {
   const auto& blocks = op.data.mesh->blocks;
   size_t done = 0;
   for (const auto& [partition, block] : blocks) {
     const Advance part = partOf(advance, done++, blocks.size());
-    const ShownValues shown(op, block);
-    if (block.shell.empty() || !shows(op.map, shown.range())) continue;
-    auto& cells = op.parts[partition].geometry;
-    cells = cellsAmong(others, op, scene.space, partition);
-    if (!cells) cells = std::make_shared<const GeometryInPartition>(cellsOf(block, shown, scene.space, part));
+    if (block.shell.empty()) continue;
+    const std::vector<float> shown = shownValues(op, block);
+    OperatorInPartition planned;
+    if (op.vis.volumeRendering && shows(op.map, rangeOf(shown))) {
+      planned.geometry =
+          partAmong(others, op, scene.space, partition, &OperatorInPartition::geometry, showsSameValues);
+      if (!planned.geometry)
+        planned.geometry = std::make_shared<const GeometryInPartition>(
+            cellsOf(block, shown, scene.space, partOf(part, 0, 2)));
+    }
+    if (!op.isovalues.empty() || !op.slices.empty()) {
+      planned.surfaces =
+          partAmong(others, op, scene.space, partition, &OperatorInPartition::surfaces, showsSameSurfaces);
+      if (!planned.surfaces) planned.surfaces = surfacesOf(op, block, shown, scene.space, partOf(part, 1, 2));
+    }
+    if (!planned.geometry && !planned.surfaces) continue;
+    op.parts[partition] = std::move(planned);
     scene.visible[size_t(partition)] = 1;
   }
 }

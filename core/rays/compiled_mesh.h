@@ -9,12 +9,12 @@
 
 namespace gxy {
 
-/// Fills in the operator's map and component. Throws Error for what unstructured volumes cannot show yet: isosurfaces, slices and places
-/// at equal distances.
+/// Fills in the operator's map, component and isovalues. Throws Error for what unstructured volumes cannot show yet: places at equal
+/// distances.
 void compileMesh(CompiledOperator& op, const CompiledScene& scene);
 
-/// Fills in the cells of each local partition in which the map shows something, and says that these partitions are visible. If one of
-/// `others` shows the same values of the same mesh, its cells are used.
+/// Fills in the cells of each local partition in which the map shows something, and the cells that isosurfaces and slices pass, and says
+/// that these partitions are visible. If one of `others` shows the same of the same mesh, its cells are used.
 void planMesh(CompiledOperator& op, CompiledScene& scene,
               std::span<const std::shared_ptr<const CompiledScene>> others, const Advance& advance);
 

@@ -104,8 +104,8 @@ bool showsSurfaces(const CompiledOperator& op) {
 
 // Enters operator `number` in the scene's lists.
 void listOperator(const CompiledOperator& op, int32_t number, CompiledScene& scene) {
-  if (!op.slices.empty() || op.every > 0) scene.sliced.push_back(number);
-  if (!op.isovalues.empty()) scene.isosurfaces.push_back(number);
+  if (op.data.volume && (!op.slices.empty() || op.every > 0)) scene.sliced.push_back(number);
+  if (op.data.volume && !op.isovalues.empty()) scene.isosurfaces.push_back(number);
   if (op.vis.type == VisType::Volume && op.vis.volumeRendering) scene.rendered.push_back(number);
 }
 
@@ -299,7 +299,8 @@ std::vector<SharedBytes> CompiledScene::sharedBytes() const {
   std::vector<SharedBytes> shared;
   for (const auto& op : operators)
     for (const auto& [partition, part] : op.parts)
-      if (part.geometry) shared.push_back({part.geometry.get(), part.geometry->bytes()});
+      for (const auto& geometry : {part.geometry, part.surfaces})
+        if (geometry) shared.push_back({geometry.get(), geometry->bytes()});
   return shared;
 }
 
@@ -338,6 +339,7 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
     for (const Plane& p : op.vis.clipPlanes) op.clips.push_back(compilePlane(p, scene->space));
     if (op.data.mesh) {
       compileMesh(op, *scene);
+      for (const Plane& p : op.vis.slices) op.slices.push_back(compilePlane(p, scene->space));
       seen.extend(op.data.mesh->box);
     } else if (isVolume) {
       const Grid& grid = op.data.volume->grid;

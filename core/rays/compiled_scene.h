@@ -42,6 +42,7 @@ struct OperatorData {
 /// A plane n . p = offset in render space, |n| = 1.
 struct CompiledPlane {
   float x, y, z, offset;
+  bool operator==(const CompiledPlane&) const = default;
 };
 
 /// The primitives of an operator in one partition, or the cells of an unstructured volume, whose primitives are the faces of their
@@ -67,7 +68,12 @@ struct OperatorInPartition {
   const VolumeBlock* block = nullptr;  ///< owned by the operator's volume
   std::vector<int32_t> plan;           ///< per macrocell of the block, see step_plan.h
   std::vector<int32_t> isoMask;        ///< see iso_mask.h; empty where there is no isosurface
-  std::shared_ptr<const GeometryInPartition> geometry;  ///< or cells; null if there is none
+  std::shared_ptr<const GeometryInPartition>
+      geometry;  ///< or cells to be volume rendered; null if there is none
+  /// Of a mesh: the cells that isosurfaces and slices pass, those of each surface together, slices first; null if there are none. Per
+  /// primitive `points` has 4 corners, x y z in render space and the level (kernels/cell_surface.h), `values` the 4 stored values there,
+  /// and `indices` the number of the surface.
+  std::shared_ptr<const GeometryInPartition> surfaces;
 };
 
 /// An allocation that scenes may hold together: its identity and its size.
@@ -107,8 +113,8 @@ struct CompiledScene {
   std::vector<int32_t> cellPartition;  ///< partition of each cell of the lattice, x fastest
   std::vector<uint8_t> visible;        ///< per partition: whether it may change a ray; the same on all ranks
   std::vector<CompiledOperator> operators;
-  /// Numbers of the operators, in order, that have slices or places at equal distances (Vis::every), that have
-  /// isosurfaces, and that are volume rendered. At most MANY_VOLUMES (kernels/scene_view.h) are volume rendered.
+  /// Numbers of the operators, in order: those whose volume on a uniform grid has slices or places at equal distances (Vis::every), those
+  /// whose volume on one has isosurfaces, and those that are volume rendered, at most MANY_VOLUMES (kernels/scene_view.h).
   std::vector<int32_t> sliced, isosurfaces, rendered;
   bool opaqueSurfaces = true;  ///< no translucent surface, so shadow and AO rays may stop at any hit
   float tMin = 0;              ///< transmittance below which a ray ends

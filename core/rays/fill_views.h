@@ -110,6 +110,15 @@ void fillPrimitives(View& v, const GeometryInPartition& part, Put& put) {
   v.shell = put(part.shell);
 }
 
+/// Fills in the cells that isosurfaces and slices of a mesh pass in the partition (OperatorInPartition::surfaces).
+template <class View, class Put>
+void fillSurfaces(View& v, const GeometryInPartition& cells, Put& put) {
+  v.surfaceCells = cells.primitives;
+  v.levelCorners = put(cells.points);
+  v.levelValues = put(cells.values);
+  v.surfaces = put(cells.indices);
+}
+
 /// Fills in all of an operator but its primitives.
 template <class View, class Put>
 void fillOperatorView(View& v, const CompiledOperator& op, Put& put) {

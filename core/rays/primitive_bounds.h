@@ -19,7 +19,7 @@ struct PrimitiveBounds {
   float lo[3], hi[3];
 };
 
-/// The bounds of primitive `i` with 1 (a sphere), 2 (a tube) or 3 (a triangle) corners. `points` are x y z
+/// The bounds of primitive `i` with 1 (a sphere), 2 (a tube), 3 (a triangle) or 4 corners. `points` are x y z
 /// radius; `indices` are not read for spheres. The box is so wide that a traversal in float loses no
 /// candidate to rounding. It is finite and within 1.8e18: builders of hierarchies accept numbers below
 /// 1.844e18, and rays come no farther (meetsGeometry in clip.h).
@@ -45,17 +45,21 @@ inline PrimitiveBounds primitiveBounds(int corners, const float* points, const u
 
 /// The bounds of primitive `i` of a part of this kind (KIND_*).
 inline PrimitiveBounds primitiveBounds(int kind, const GeometryInPartition& part, size_t i) {
-  if (kind != KIND_MESH)
+  if (kind != KIND_MESH && kind != KIND_SHELL)
     return primitiveBounds(cornersOfKind(kind), part.points.data(), part.indices.data(), i);
-  float points[12] = {};  // without radii
+  float points[16] = {};  // without radii
+  constexpr uint32_t kAll[] = {0, 1, 2, 3};
   int n = 0;
+  if (kind == KIND_MESH) {
+    for (; n < 4; n++) std::copy_n(&part.points[16 * i + 4 * size_t(n)], 3, points + 4 * n);
+    return primitiveBounds(4, points, kAll, 0);
+  }
   const FaceId face = part.shell[i];
   for (int k = 0; k < 4; k++) {
     if (k == faceOf(face)) continue;
     std::copy_n(&part.points[4 * size_t(part.indices[4 * size_t(cellOf(face)) + size_t(k)])], 3,
                 points + 4 * n++);
   }
-  constexpr uint32_t kAll[] = {0, 1, 2};
   return primitiveBounds(3, points, kAll, 0);
 }
 

@@ -37,7 +37,8 @@ double trueValue(const Mesh& mesh, const MeshBlock& block, size_t point, std::op
 
 }  // namespace
 
-MeshField::MeshField(const Mesh& mesh, std::optional<int> component) {
+MeshField::MeshField(const Mesh& mesh, std::optional<int> component)
+    : box_(mesh.box), typicalLength_(gxy::typicalLength(mesh)) {
   if (component && (*component < 0 || *component >= mesh.components)) {
     throw Error("reference: mesh '" + mesh.name + "' has no component " + std::to_string(*component) +
                 ": expected 0 to " + std::to_string(mesh.components - 1));

@@ -38,7 +38,9 @@ class MeshField {
   /// The part of a plane in the cells that have data. Levels are > 0 on the side of the normal.
   MeshSurface slice(const Plane& plane) const;
 
-  size_t cells() const { return cells_.size(); }
+  size_t cells() const { return cells_.size(); }  ///< with data
+  const Box& box() const { return box_; }         ///< Mesh::box
+  double typicalLength() const { return typicalLength_; }
 
  private:
   using Cell = std::array<uint32_t, 4>;
@@ -49,6 +51,8 @@ class MeshField {
   std::vector<double> values_;
   std::vector<Cell> cells_;  ///< those with data; their points ascend
   std::optional<Bvh> tree_;
+  Box box_;
+  double typicalLength_;
 };
 
 }  // namespace gxy::reference

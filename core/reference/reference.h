@@ -29,19 +29,19 @@
 #include <vector>
 
 #include "core/data/geometry.h"
-#include "core/data/mesh.h"
 #include "core/data/volume.h"
+#include "core/reference/mesh_field.h"
 #include "core/reference/shade.h"
 #include "core/scene/background.h"
 #include "core/scene/scene.h"
 
 namespace gxy::reference {
 
-using ReferenceData =
-    std::variant<std::shared_ptr<const Volume>, std::shared_ptr<const Geometry>, std::shared_ptr<const Mesh>>;
+using ReferenceData = std::variant<std::shared_ptr<const Volume>, std::shared_ptr<const Geometry>,
+                                   std::shared_ptr<const MeshField>>;
 
-/// The scene to draw: a visualization and, for each of its operators, the data, whole in partition 0. Meshes may be cut, with all
-/// blocks present.
+/// The scene to draw: a visualization and, for each of its operators, the data, whole in partition 0. A mesh is prepared, since
+/// that takes long; Vis::component has no effect on it.
 struct ReferenceScene {
   Visualization visualization;
   std::vector<ReferenceData> data;

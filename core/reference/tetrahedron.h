@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where a ray goes through a tetrahedron.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -18,10 +19,16 @@ struct FacePoint {
   std::array<double, 4>
       weights;  ///< barycentric, of the corners; never negative, and 0 for the corner that is not on the face
 
-  /// What is linear in the cell and has these values at its corners.
+  /// What is linear in the cell and has these values at its corners. It is not beyond those of the face, as rounding may put it.
   double mean(const std::array<double, 4>& corners) const {
-    return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2] +
-           weights[3] * corners[3];
+    double sum = 0, low = kInfinity, high = -kInfinity;
+    for (size_t i = 0; i < 4; i++) {
+      if (weights[i] == 0) continue;
+      sum += weights[i] * corners[i];
+      low = std::min(low, corners[i]);
+      high = std::max(high, corners[i]);
+    }
+    return std::clamp(sum, low, high);
   }
 };
 

@@ -131,8 +131,8 @@ double magnitude(glm::dvec3 v) { return std::max({std::abs(v.x), std::abs(v.y), 
 }  // namespace
 
 World::ShownOperator World::makeVolume(const ReferenceScene& scene, size_t index) {
-  if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&scene.data[index]); mesh && *mesh)
-    return makeMesh(**mesh, index);
+  if (const auto* mesh = std::get_if<std::shared_ptr<const MeshField>>(&scene.data[index]); mesh && *mesh)
+    return makeMesh(*mesh, index);
   const Vis& vis = scene_->visualization.operators[index];
   const auto* volume = std::get_if<std::shared_ptr<const Volume>>(&scene.data[index]);
   if (!volume || !*volume) throw Error("reference: operator " + std::to_string(index) + " expects a volume");
@@ -144,18 +144,17 @@ World::ShownOperator World::makeVolume(const ReferenceScene& scene, size_t index
   }
   box_.extend(grid.box());
   const double length = vis.referenceLength.value_or(field.smallestSpacing());
-  return {&vis, Transfer(vis, length), std::move(field), std::nullopt, {}, nullptr, std::nullopt};
+  return {&vis, Transfer(vis, length), std::move(field), nullptr, {}, nullptr, std::nullopt};
 }
 
-World::ShownOperator World::makeMesh(const Mesh& mesh, size_t index) {
+World::ShownOperator World::makeMesh(std::shared_ptr<const MeshField> mesh, size_t index) {
   const Vis& vis = scene_->visualization.operators[index];
-  box_.extend(mesh.box);
-  const double length = vis.referenceLength.value_or(typicalLength(mesh));
-  MeshField field(mesh, vis.component);
+  box_.extend(mesh->box());
+  const double length = vis.referenceLength.value_or(mesh->typicalLength());
   std::vector<MeshSurface> surfaces;
-  for (const Plane& plane : vis.slices) surfaces.push_back(field.slice(plane));
-  for (const double isovalue : vis.isovalues) surfaces.push_back(field.isosurface(isovalue));
-  return {&vis,    Transfer(vis, length), std::nullopt, std::move(field), std::move(surfaces),
+  for (const Plane& plane : vis.slices) surfaces.push_back(mesh->slice(plane));
+  for (const double isovalue : vis.isovalues) surfaces.push_back(mesh->isosurface(isovalue));
+  return {&vis,    Transfer(vis, length), std::nullopt, std::move(mesh), std::move(surfaces),
           nullptr, std::nullopt};
 }
 
@@ -171,7 +170,7 @@ World::ShownOperator World::makeGeometry(const ReferenceScene& scene, size_t ind
   }
   const auto boxes = boxesOf(vis, **geometry, (*geometry)->blocks.at(0));
   for (const Box& box : boxes) box_.extend(box);
-  return {&vis, Transfer(vis, 1), std::nullopt, std::nullopt, {}, *geometry, Bvh(boxes)};
+  return {&vis, Transfer(vis, 1), std::nullopt, nullptr, {}, *geometry, Bvh(boxes)};
 }
 
 World::World(const ReferenceScene& scene) : scene_(std::make_shared<ReferenceScene>(scene)) {
@@ -381,7 +380,7 @@ VolumeRay World::volumes(const Ray& ray, Interval range) const {
     if (!part.vis->volumeRendering) continue;
     const Interval kept = keptOf(*part.vis, part.field, ray);
     if (part.field) terms.push_back({&*part.field, &part.transfer, kept});
-    if (part.mesh) terms.push_back({&*part.mesh, &part.transfer, kept});
+    if (part.mesh) terms.push_back({part.mesh.get(), &part.transfer, kept});
   }
   return VolumeRay(terms, ray, range);
 }

@@ -71,14 +71,14 @@ class World {
   struct ShownOperator {
     const Vis* vis;
     Transfer transfer;
-    std::optional<Field> field;         ///< of a volume on a grid
-    std::optional<MeshField> mesh;      ///< of an unstructured volume
-    std::vector<MeshSurface> surfaces;  ///< of it: its slices, then its isosurfaces
+    std::optional<Field> field;             ///< of a volume on a grid
+    std::shared_ptr<const MeshField> mesh;  ///< of an unstructured volume
+    std::vector<MeshSurface> surfaces;      ///< of it: its slices, then its isosurfaces
     std::shared_ptr<const Geometry> geometry;
     std::optional<Bvh> tree;
   };
   ShownOperator makeVolume(const ReferenceScene& scene, size_t index);
-  ShownOperator makeMesh(const Mesh& mesh, size_t index);
+  ShownOperator makeMesh(std::shared_ptr<const MeshField> mesh, size_t index);
   ShownOperator makeGeometry(const ReferenceScene& scene, size_t index);
 
   /// Finds the nearest surface of operator `index` behind `last`, if it is nearer than `best`.

@@ -44,6 +44,9 @@ CompiledScene sceneOfAllKinds() {
   const auto bent = [](glm::dvec3 p) { return 0.05 * glm::sin(glm::dvec3(9.0 * p.y, 8.0 * p.z, 7.0 * p.x)); };
   other.add(rendered({{-1, 0}, {0.2, 0.4}, {1, 0.8}}, -1, 1),
             test::meshInOnePiece(test::cubeOfTets(3, bent, waves)));
+  Vis& cut = other.visualization.operators.back();
+  cut.isovalues = {-0.2, 0.3};
+  cut.slices = {{{1, 0.3, -0.2}, 0.1}};
   scene.operators.push_back(other.compile()->operators.at(0));
   std::array<std::vector<double>, 3> faces;
   for (int a = 0; a < 3; a++) {
@@ -77,6 +80,7 @@ TEST(SceneDialect, HasTheBitsOfCpp) {
     fillVolumeView(fields[k], op, &part, pointers);
     fillOperatorView(views[k], op, pointers);
     if (part.geometry) fillPrimitives(views[k], *part.geometry, pointers);
+    if (part.surfaces) fillSurfaces(views[k], *part.surfaces, pointers);
   }
   s.operators = int(operators);
   s.operator_ = views.data();

@@ -124,6 +124,17 @@ FN bool surfaceAt(OPERATOR op, VOLUME v, uint k, vec3 o, vec3 way, uint i, OUT(v
                       R(0.5) * a.z + R(0.25) * (b.z + c.z) - o.z));
     hit = hitTriangle(o, d, a, b, c, R(0.0), t, wb, wc);
     if (hit) f = triangleSurface(op, k, o, d, R(0.0));
+  } else if (op.kind == KIND_MESH) {
+    if (op.surfaceCells > 0u) {
+      uint p = hash2(i, 25u) % op.surfaceCells;
+      vec4 a = levelCorner(op, p, 0), b = levelCorner(op, p, 1), c = levelCorner(op, p, 2),
+           e = levelCorner(op, p, 3);
+      d = unit3(make_v3(R(0.25) * ((a.x + b.x) + (c.x + e.x)) - o.x,
+                        R(0.25) * ((a.y + b.y) + (c.y + e.y)) - o.y,
+                        R(0.25) * ((a.z + b.z) + (c.z + e.z)) - o.z));
+      hit = hitCell(frameRay(o, d), a, b, c, e, R(0.0), t);
+      if (hit) f = cellSurface(op, p, o, d, t);
+    }
   } else if (v.isovalues > 0) {
     IsoStart start;
     start.index = -1;

@@ -4,11 +4,13 @@
 // the rank that gets it (one byte each), the length (two bytes), and the bytes.
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <span>
 
 #include "core/comm/collective.h"
 #include "core/comm/error.h"
 #include "core/comm/work.h"
+#include "core/data/mesh_blocks.h"
 #include "core/data/replicate.h"
 #include "tests/support/frames.h"
 
@@ -79,6 +81,21 @@ void unpack(const Scene& s, GeometryKind kind, const Bytes& message) {
   }
 }
 
+void unpackCells(const Scene& s, const Bytes& message) {
+  std::map<int, MeshBlock> blocks;
+  const std::span<const Bytes> received(&message, 1);
+  try {
+    MeshBlockCounts counts;
+    blocks = unpackMesh(s.cut.partitioning, 0, received, counts);
+    packSettledValues(blocks, counts, s.cut.partitioning, kRanks);
+  } catch (const Error&) {
+  }
+  try {
+    takeSettledValues(blocks, s.cut.partitioning, received);
+  } catch (const Error&) {
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -100,6 +117,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (channel == std::size(channels)) {
       for (GeometryKind kind : {GeometryKind::Particles, GeometryKind::PathLines, GeometryKind::Triangles})
         unpack(scene, kind, message);
+      unpackCells(scene, message);
       continue;
     }
     if (channels[channel] == Channel::Frame) shrink(message);

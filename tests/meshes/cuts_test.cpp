@@ -43,19 +43,8 @@ TEST(MeshCuts, PartitionsSmallerThanACell) {
                  {lattice(kDomain, {9, 9, 9}, 4), kdCut(kDomain, 64, 8, 6)}, "few cells");
 }
 
-TEST(MeshCuts, TangledCells) {
-  for (const double far : {0.8, 1.5})
-    expectSameBits(cutScene(placed(cubeMesh(10, far, waves), [](glm::dvec3 p) { return 0.8 * p; })),
-                   arbitraryCuts(31), "tangled by " + std::to_string(far));
-}
-
-TEST(MeshCuts, InvertedFlatAndCrowdedCells) {
+TEST(MeshCuts, InvertedCells) {
   expectSameBits(cutScene(invertedHere(cubeMesh(8, 0.17, waves), 4)), arbitraryCuts(41), "inverted");
-  expectSameBits(cutScene(withFlatCells(cubeMesh(6, 0.15, waves), 60, 5)), arbitraryCuts(51), "flat");
-  MeshPiece twice = cubeMesh(5, 0.15, waves);
-  expectSameBits(
-      cutScene(together(twice, placed(cubeMesh(4, 0.15, waves), [](glm::dvec3 p) { return 0.7 * p; }))),
-      arbitraryCuts(61), "one mesh in another");
 }
 
 TEST(MeshCuts, ConcaveOutlinesHolesAndIslands) {
@@ -67,11 +56,7 @@ TEST(MeshCuts, ConcaveOutlinesHolesAndIslands) {
   expectSameBits(cutScene(withHoleAt(cubeMesh(5, 0.15, waves), {0.1, 0, 0.1})), arbitraryCuts(101), "hole");
 }
 
-TEST(MeshCuts, SliversAndCellsOfAllSizes) {
-  TestScene scene = cutScene(slivers(5, waves));
-  expectSameBits(scene, arbitraryCuts(111), "slivers");
-  orthographic(scene, {0, 0, -1}, 2.2);
-  expectSameBits(scene, arbitraryCuts(121), "slivers, along them");
+TEST(MeshCuts, CellsOfAllSizes) {
   expectSameBits(cutScene(shrinking(8, waves)), arbitraryCuts(131), "shrinking");
 }
 
@@ -118,7 +103,7 @@ TEST(MeshCuts, OffsetsAndScales) {
     TestScene scene = cutScene(
         placed(cubeMesh(6, 0.15, waves), [f = factor, s = shift](glm::dvec3 p) { return f * p + s; }));
     scene.domain = {shift - factor, shift + factor};
-    scene.camera = cameraOutside(scene.domain, {24, 24});
+    scene.camera.viewpoint = shift + factor * glm::dvec3(1.9, 1.4, 3.1);
     for (OpacityPoint& p : scene.visualization.operators[0].opacitymap.points) p.opacity /= factor;
     const Cut kd = kdCut(scene.domain, 12, 4, 7);
     expectSameBits(scene, {kd, lattice(scene.domain, {3, 3, 3}, 2)}, "scaled by " + std::to_string(factor));

@@ -87,7 +87,9 @@ TEST(MeshData, AFileOfTetrahedraIsAVolumeOnAnyNumberOfRanks) {
       EXPECT_EQ(dataset->bytes, bytesOf(*dataset->mesh));
       EXPECT_EQ(server.serverRank(rank).ledger.total("user"), dataset->bytes);
       for (const auto& line : server.serverRank(rank).ledger.snapshot()) {
-        if (line.tenant == "user") EXPECT_EQ(line.purpose, "volume");
+        if (line.tenant == "user") {
+          EXPECT_EQ(line.purpose, "volume");
+        }
       }
       bytes += dataset->bytes;
     }
@@ -133,25 +135,25 @@ TEST(MeshData, WhatTakesNoMeshesSaysSo) {
   server.client->expect(MeshServer::import("m", "cube.vtu"));
   server.client->expect(importBall("ball"));
   const std::string text = "\"m\" is an unstructured volume, which is not supported here yet";
-  for (const char* make :
-       {R"({"name": "x", "filter": "Derive", "inputs": {"f": "m"}, "expression": "2 * f"})",
-        R"({"filter": "Statistics", "inputs": {"field": "m"}})",
-        R"({"filter": "Number", "inputs": {"f": "m"}, "expression": "max(f)"})
-    ",
-    R"({"name": "x", "filter": "Seeds", "inputs": {"domain": "m"}})",
-        R"({"name": "x", "filter": "Resample", "inputs": {"field": "ball", "like": "m"}})",
-        R"({"name": "x", "filter": "IsosurfaceSampler", "inputs": {"field": "m"}, "isovalue": 1})",
-        R"({"name": "x", "filter": "RaySampler", "inputs": {"f": "m"}, "operators": [{"dataset": "f"}],
-            "values": ["f"]})"
-})
+  for (
+      const char* make :
+      {R"({"name": "x", "filter": "Derive", "inputs": {"f": "m"}, "expression": "2 * f"})",
+       R"({"filter": "Statistics", "inputs": {"field": "m"}})",
+       R"json({"filter": "Number", "inputs": {"f": "m"}, "expression": "max(f)"})json",
+       R"({"name": "x", "filter": "Seeds", "inputs": {"domain": "m"}, "shape": "sphere", "count": 9, "radius": 1})",
+       R"({"name": "x", "filter": "Resample", "inputs": {"field": "ball", "like": "m"}})",
+       R"({"name": "x", "filter": "IsosurfaceSampler", "inputs": {"field": "m"}, "isovalue": 1, "count": 9})",
+       R"({"name": "x", "filter": "RaySampler", "inputs": {"f": "m"},
+            "operators": [{"dataset": "f", "isovalues": [1]}], "lines": 9})",
+       R"({"name": "x", "filter": "DensitySampler", "inputs": {"field": "m"}, "count": 9})"})
     server.expectError("make " + std::string(make), text);
-server.expectError(R"json(watch {"expression": "max(m) > 3"})json", text);
-server.expectError("fetch m", text);
-server.expectError("export m m.vti", text);
-EXPECT_EQ(server.client->expect("list").at("datasets").size(), 2u);
-server.client->expect("drop m");
-server.client->expect("drop ball");
-server.expectNoMemory(2);
+  server.expectError(R"json(watch {"expression": "max(m) > 3"})json", text);
+  server.expectError("fetch m", text);
+  server.expectError("export m m.vti", text);
+  EXPECT_EQ(server.client->expect("list").at("datasets").size(), 2u);
+  server.client->expect("drop m");
+  server.client->expect("drop ball");
+  server.expectNoMemory(2);
 }
 
 TEST(MeshData, ImportsThatFailLeaveNothing) {

@@ -18,7 +18,7 @@ struct RandomVolume {
 };
 RandomVolume randomVolume(Choices& choose);
 
-/// An unstructured volume of one component and what its maps need to know: cells in order, some of them missing, inverted, flat or
+/// An unstructured volume of one component and what its maps need to know: cells in order, some of them missing, inverted or
 /// without data.
 struct RandomTetrahedra {
   WholeMesh mesh;

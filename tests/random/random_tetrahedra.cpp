@@ -25,7 +25,6 @@ MeshPiece randomShape(Choices& choose, const Field& field) {
   MeshPiece piece = cubeMesh(uint32_t(choose.from(1, 5)), choose.oneIn(3) ? 0 : 0.17, field, choose.seed());
   if (choose.oneIn(3)) piece = thinned(choose, std::move(piece));
   if (choose.oneIn(4)) piece = invertedHere(std::move(piece), choose.seed());
-  if (choose.oneIn(6)) piece = withFlatCells(std::move(piece), size_t(choose.from(1, 20)), choose.seed());
   return piece;
 }
 

@@ -34,6 +34,10 @@ ReferenceScene sceneOf(Vis vis, ReferenceData data) {
   return scene;
 }
 
+ReferenceScene sceneOf(Vis vis, const std::shared_ptr<Mesh>& mesh) {
+  return sceneOf(std::move(vis), std::make_shared<const MeshField>(*mesh, std::nullopt));
+}
+
 Camera fromAside(int size = 24) {
   Camera camera;
   camera.viewpoint = {2.2, 1.7, 3.1};

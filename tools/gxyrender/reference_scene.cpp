@@ -5,7 +5,6 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "core/comm/error.h"
 #include "core/kernels/single.h"
 #include "core/scene/colormaps.h"
 
@@ -52,14 +51,11 @@ reference::ReferenceScene referenceScene(const Visualization& visualization,
   reference::ReferenceScene scene{visualization, {}, settings};
   for (size_t i = 0; i < data.size(); i++) {
     Vis& vis = scene.visualization.operators[i];
-    if (data[i].mesh)
-      throw Error("the reference renderer has no unstructured volumes yet, as " +
-                  visualization.operators[i].dataset + " is");
     if (data[i].volume) {
       scene.data.emplace_back(data[i].volume);
       storeFieldVis(vis, data[i].volume->shift, data[i].volume->scale);
     } else if (data[i].mesh) {
-      scene.data.emplace_back(data[i].mesh);
+      scene.data.emplace_back(std::make_shared<const reference::MeshField>(*data[i].mesh, vis.component));
       storeFieldVis(vis, data[i].mesh->shift, data[i].mesh->scale);
     } else {
       scene.data.emplace_back(data[i].geometry);
