@@ -106,7 +106,7 @@ MeshSurface MeshField::isosurface(double isovalue) const {
     const std::array<double, 4> values = valuesOf(cell);
     std::array<double, 4> levels = values;
     for (double& level : levels) level -= isovalue;
-    cells.push_back({cornersOf(cell), levels, values});
+    if (isPassed(levels)) cells.push_back({cornersOf(cell), levels, values});
   }
   return MeshSurface(std::move(cells));
 }
@@ -117,7 +117,7 @@ MeshSurface MeshField::slice(const Plane& plane) const {
     const Tetrahedron corners = cornersOf(cell);
     std::array<double, 4> levels;
     for (size_t i = 0; i < 4; i++) levels[i] = glm::dot(plane.normal, corners[i]) - plane.offset;
-    cells.push_back({corners, levels, valuesOf(cell)});
+    if (isPassed(levels)) cells.push_back({corners, levels, valuesOf(cell)});
   }
   return MeshSurface(std::move(cells));
 }

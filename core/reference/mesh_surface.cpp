@@ -24,11 +24,11 @@ ScaledGradient gradientOf(const Tetrahedron& corners, const std::array<double, 4
 
 }  // namespace
 
+bool isPassed(const std::array<double, 4>& levels) {
+  return std::ranges::max(levels) > 0 && std::ranges::min(levels) <= 0;
+}
+
 MeshSurface::MeshSurface(std::vector<LevelCell> cells) : cells_(std::move(cells)) {
-  std::erase_if(cells_, [](const LevelCell& cell) {
-    const auto& l = cell.levels;
-    return !(std::max({l[0], l[1], l[2], l[3]}) > 0 && std::min({l[0], l[1], l[2], l[3]}) <= 0);
-  });
   std::vector<Box> boxes;
   for (const LevelCell& cell : cells_) boxes.push_back(boxAround(cell.corners));
   tree_.emplace(boxes);

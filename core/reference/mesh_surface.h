@@ -16,6 +16,9 @@ struct LevelCell {
   std::array<double, 4> levels, values;  ///< at the corners
 };
 
+/// Whether the surface passes a cell with these levels at its corners.
+bool isPassed(const std::array<double, 4>& levels);
+
 /// Where a ray meets the surface in a cell.
 struct MeshCrossing {
   double t;
@@ -29,7 +32,7 @@ struct MeshCrossing {
 /// Immutable; safe to use from any thread.
 class MeshSurface {
  public:
-  /// Keeps those cells that the surface passes.
+  /// Takes the cells that the surface passes.
   explicit MeshSurface(std::vector<LevelCell> cells);
 
   /// The crossing in one of the cells.

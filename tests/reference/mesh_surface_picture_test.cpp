@@ -27,6 +27,10 @@ ReferenceScene surfaceScene(std::vector<Vis> operators, const ReferenceData& dat
   return scene;
 }
 
+ReferenceScene surfaceScene(std::vector<Vis> operators, const std::shared_ptr<Mesh>& mesh) {
+  return surfaceScene(std::move(operators), std::make_shared<const MeshField>(*mesh, std::nullopt));
+}
+
 Camera lookingDown(int size = 24) {
   Camera camera;
   camera.viewpoint = {2.2, 1.7, 3.1};
