@@ -9,7 +9,9 @@
 
 #include "core/data/mesh.h"
 #include "core/reference/bvh.h"
+#include "core/reference/mesh_surface.h"
 #include "core/reference/ray.h"
+#include "core/scene/scene.h"
 
 namespace gxy::reference {
 
@@ -28,9 +30,13 @@ class MeshField {
   MeshField(const Mesh& mesh, std::optional<int> component);
 
   /// Returns the parts of the ray in all cells that have data and that it meets in `range`, by ascending t0. They are not cut at the
-  /// ends of `range`. A ray through a vertex, an edge or along a face is taken as one that is moved by an infinitesimal distance. So
-  /// it meets exactly the cells around it that fill the space without overlap.
+  /// ends of `range`. For rays through vertices, edges and along faces see passageThrough().
   std::vector<MeshSpan> along(const Ray& ray, Interval range) const;
+
+  /// The surface on which the value is the isovalue. Levels are > 0 where values are higher.
+  MeshSurface isosurface(double isovalue) const;
+  /// The part of a plane in the cells that have data. Levels are > 0 on the side of the normal.
+  MeshSurface slice(const Plane& plane) const;
 
   size_t cells() const { return cells_.size(); }  ///< with data
   const Box& box() const { return box_; }         ///< Mesh::box
@@ -38,11 +44,12 @@ class MeshField {
 
  private:
   using Cell = std::array<uint32_t, 4>;
-  std::optional<MeshSpan> across(const Cell& cell, const Ray& ray) const;
+  Tetrahedron cornersOf(const Cell& cell) const;
+  std::array<double, 4> valuesOf(const Cell& cell) const;
 
   std::vector<glm::dvec3> points_;
   std::vector<double> values_;
-  std::vector<Cell> cells_;  ///< those with data
+  std::vector<Cell> cells_;  ///< those with data; their points ascend
   std::optional<Bvh> tree_;
   Box box_;
   double typicalLength_;

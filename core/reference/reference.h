@@ -15,7 +15,9 @@
 //   radius is radius0. Without values the radius is that of value 0.
 // - A tube's value at a hit is that of the ball between its ends that touches the surface there.
 // - Both sides of a translucent sphere or tube are surfaces; those inside the next segment of a line are not.
-// - A plateau at an isovalue is one hit, where the ray enters it.
+// - A plateau at an isovalue is one hit, where the ray enters it. In a mesh a surface is the border of what is
+//   higher than the isovalue, so a plateau has none on the side of lower values, and two where both sides are
+//   higher; normals are those of the cells.
 // - Secondary rays start on the side of the surface that the shading normal is on, off it by the rounding
 //   error of the hit. They see every surface, both sides of translucent bodies included.
 // - Depth is that of the first surface on the ray through the pixel's centre.

@@ -144,17 +144,18 @@ World::ShownOperator World::makeVolume(const ReferenceScene& scene, size_t index
   }
   box_.extend(grid.box());
   const double length = vis.referenceLength.value_or(field.smallestSpacing());
-  return {&vis, Transfer(vis, length), std::move(field), nullptr, nullptr, std::nullopt};
+  return {&vis, Transfer(vis, length), std::move(field), nullptr, {}, nullptr, std::nullopt};
 }
 
 World::ShownOperator World::makeMesh(std::shared_ptr<const MeshField> mesh, size_t index) {
   const Vis& vis = scene_->visualization.operators[index];
-  if (!vis.isovalues.empty() || !vis.slices.empty())
-    throw Error("reference: operator " + std::to_string(index) +
-                " has isosurfaces or slices of a mesh: expected volume rendering alone");
   box_.extend(mesh->box());
   const double length = vis.referenceLength.value_or(mesh->typicalLength());
-  return {&vis, Transfer(vis, length), std::nullopt, std::move(mesh), nullptr, std::nullopt};
+  std::vector<MeshSurface> surfaces;
+  for (const Plane& plane : vis.slices) surfaces.push_back(mesh->slice(plane));
+  for (const double isovalue : vis.isovalues) surfaces.push_back(mesh->isosurface(isovalue));
+  return {&vis,    Transfer(vis, length), std::nullopt, std::move(mesh), std::move(surfaces),
+          nullptr, std::nullopt};
 }
 
 World::ShownOperator World::makeGeometry(const ReferenceScene& scene, size_t index) {
@@ -169,7 +170,7 @@ World::ShownOperator World::makeGeometry(const ReferenceScene& scene, size_t ind
   }
   const auto boxes = boxesOf(vis, **geometry, (*geometry)->blocks.at(0));
   for (const Box& box : boxes) box_.extend(box);
-  return {&vis, Transfer(vis, 1), std::nullopt, nullptr, *geometry, Bvh(boxes)};
+  return {&vis, Transfer(vis, 1), std::nullopt, nullptr, {}, *geometry, Bvh(boxes)};
 }
 
 World::World(const ReferenceScene& scene) : scene_(std::make_shared<ReferenceScene>(scene)) {
@@ -204,6 +205,27 @@ void World::nearestVolumeSurface(int index, const Ray& ray, Interval range, cons
       best.primitive = primitive;
     }
     primitive++;
+  }
+}
+
+void World::nearestMeshSurface(int index, const Ray& ray, Interval range, const Behind& last,
+                               SurfaceHit& best) const {
+  const ShownOperator& part = parts_[size_t(index)];
+  for (uint64_t primitive = 0; primitive < part.surfaces.size(); primitive++) {
+    const MeshSurface& surface = part.surfaces[primitive];
+    const double other = best.t;  // of an earlier operator or surface, which wins ties
+    surface.tree().traverse(
+        ray, std::max(range.lo, last.t), [&] { return std::min(range.hi, best.t); },
+        [&](uint32_t cell) {
+          const auto found = surface.crossing(cell, ray);
+          if (!found || !range.contains(found->t) || !(found->t < other)) return;
+          const bool again = found->t == last.t && index == last.vis && primitive == last.primitive;
+          if (again ? cell <= last.item : !isBehind(found->t, index, primitive, last)) return;
+          if (found->t > best.t || (found->t == best.t && cell >= best.item)) return;
+          best.t = found->t;
+          best.primitive = primitive;
+          best.item = cell;
+        });
   }
 }
 
@@ -258,6 +280,24 @@ void World::describeVolumeSurface(const ShownOperator& part, const Ray& ray, Sur
   }
 }
 
+void World::describeMeshSurface(const ShownOperator& part, const Ray& ray, SurfaceHit& hit) {
+  const Vis& vis = *part.vis;
+  const MeshSurface& surface = part.surfaces[hit.primitive];
+  const glm::dvec3 met = ray.at(hit.t);
+  double largest = 0;
+  for (const glm::dvec3& corner : surface.cell(hit.item).corners)
+    largest = std::max(largest, magnitude(corner));
+  hit.slack = std::max(hit.slack, 64 * std::numeric_limits<double>::epsilon() * largest);
+  if (hit.primitive >= vis.slices.size()) {
+    hit.normal = hit.geometric = -surface.upwards(hit.item, ray.direction);
+    hit.colour = part.transfer.colour(vis.isovalues[hit.primitive - vis.slices.size()]);
+  } else {
+    hit.normal = hit.geometric = glm::normalize(vis.slices[hit.primitive].normal);
+    const auto crossing = surface.crossing(hit.item, ray);
+    hit.colour = part.transfer.colour(surface.valueNear(*crossing, hit.position - met));
+  }
+}
+
 void World::describePrimitive(const ShownOperator& part, const Ray& ray, SurfaceHit& hit) {
   const Vis& vis = *part.vis;
   const GeometryBlock& block = part.geometry->blocks.at(0);
@@ -306,6 +346,8 @@ std::optional<SurfaceHit> World::firstHit(const Ray& ray, const Behind& last, do
     const double before = best.t;
     if (part.field) {
       nearestVolumeSurface(int(i), ray, range, last, best);
+    } else if (part.mesh) {
+      nearestMeshSurface(int(i), ray, range, last, best);
     } else if (part.geometry) {
       nearestPrimitive(int(i), ray, range, last, best);
     }
@@ -319,7 +361,13 @@ std::optional<SurfaceHit> World::firstHit(const Ray& ray, const Behind& last, do
   best.opacity = part.vis->opacity;
   best.slack =
       64 * std::numeric_limits<double>::epsilon() * std::max(magnitude(ray.origin), magnitude(best.position));
-  part.field ? describeVolumeSurface(part, ray, best) : describePrimitive(part, ray, best);
+  if (part.field) {
+    describeVolumeSurface(part, ray, best);
+  } else if (part.mesh) {
+    describeMeshSurface(part, ray, best);
+  } else {
+    describePrimitive(part, ray, best);
+  }
   best.position = ray.at(best.t);
   if (part.vis->twoSided && glm::dot(best.normal, ray.direction) > 0) best.normal = -best.normal;
   if (glm::dot(best.normal, best.geometric) < 0) best.geometric = -best.geometric;

@@ -23,7 +23,7 @@ struct SurfaceHit {
   double t = kInfinity;
   int vis = 0;             ///< index of the operator
   uint64_t primitive = 0;  ///< volumes: index of slices, then isovalues; geometry: the global id
-  uint32_t item = 0;       ///< index into the block's points, segments or triangles
+  uint32_t item = 0;  ///< index into the block's points, segments or triangles, or of a MeshSurface's cell
   glm::dvec3 position{0};
   glm::dvec3 normal{0};     ///< for shading: unit, towards the viewer where the Vis is two-sided
   glm::dvec3 geometric{0};  ///< normal of the surface itself: unit, on the side of `normal`
@@ -33,8 +33,8 @@ struct SurfaceHit {
 };
 
 /// The surface that a ray has met last. Surfaces at a larger t are behind it. So are surfaces at the same t
-/// of a higher (vis, primitive), except other isosurfaces of the same field and the next segment of the same
-/// line.
+/// of a higher (vis, primitive) or, of a mesh, (vis, primitive, item), except other isosurfaces of the same
+/// field on a grid and the next segment of the same line.
 struct Behind {
   double t = -1;
   int vis = 0;
@@ -73,6 +73,7 @@ class World {
     Transfer transfer;
     std::optional<Field> field;             ///< of a volume on a grid
     std::shared_ptr<const MeshField> mesh;  ///< of an unstructured volume
+    std::vector<MeshSurface> surfaces;      ///< of it: its slices, then its isosurfaces
     std::shared_ptr<const Geometry> geometry;
     std::optional<Bvh> tree;
   };
@@ -83,9 +84,12 @@ class World {
   /// Finds the nearest surface of operator `index` behind `last`, if it is nearer than `best`.
   void nearestVolumeSurface(int index, const Ray& ray, Interval range, const Behind& last,
                             SurfaceHit& best) const;
+  void nearestMeshSurface(int index, const Ray& ray, Interval range, const Behind& last,
+                          SurfaceHit& best) const;
   void nearestPrimitive(int index, const Ray& ray, Interval range, const Behind& last,
                         SurfaceHit& best) const;
   static void describeVolumeSurface(const ShownOperator& part, const Ray& ray, SurfaceHit& hit);
+  static void describeMeshSurface(const ShownOperator& part, const Ray& ray, SurfaceHit& hit);
   static void describePrimitive(const ShownOperator& part, const Ray& ray, SurfaceHit& hit);
 
   std::shared_ptr<const ReferenceScene> scene_;

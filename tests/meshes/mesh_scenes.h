@@ -30,6 +30,23 @@ inline Vis spikes() {
                   true);
 }
 
+/// Isosurfaces and slices, not volume rendered.
+inline Vis surfacesIn(std::vector<double> isovalues, std::vector<Plane> slices = {}, double opacity = 1) {
+  Vis vis = agreement::surfaces(VisType::Volume, -1, 1);
+  vis.isovalues = std::move(isovalues);
+  vis.slices = std::move(slices);
+  vis.opacity = opacity;
+  return vis;
+}
+/// Three translucent surfaces and two slices in haze.
+inline Vis surfacesInHaze() {
+  Vis vis = haze(0.8);
+  vis.isovalues = {-0.3, 0.15, 0.4};
+  vis.slices = {{{1, 0.3, 0.2}, 0.1}, {{0, 0, -2}, 0.7}};
+  vis.opacity = 0.5;
+  return vis;
+}
+
 /// Renders with the first backend alone.
 inline const agreement::CompareOptions kFirstAlone = [] {
   agreement::CompareOptions options;

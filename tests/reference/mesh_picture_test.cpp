@@ -5,7 +5,6 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
-#include "core/comm/error.h"
 #include "tests/reference/mesh_samples.h"
 
 namespace gxy::reference {
@@ -148,16 +147,6 @@ TEST(MeshPicture, IsTheSameToTheBitAtAnyScaleByPowersOfTwo) {
   };
   EXPECT_EQ(picture(1), picture(0x1p100));
   EXPECT_EQ(picture(1), picture(0x1p-100));
-}
-
-TEST(MeshPicture, IsosurfacesAndSlicesOfMeshesAreRefused) {
-  const auto mesh = meshOf(cubeOfTets(2, kStill, kOne));
-  Vis vis = rendered({{0, 1}});
-  vis.isovalues = {0.5};
-  EXPECT_THROW(renderReference(sceneOf(vis, mesh), fromAside()), Error);
-  vis.isovalues.clear();
-  vis.slices = {{{0, 0, 1}, 0.5}};
-  EXPECT_THROW(renderReference(sceneOf(vis, mesh), fromAside()), Error);
 }
 
 /// Finds values by barycentric coordinates, in all cells one after the other.
