@@ -6,6 +6,7 @@
 #include <set>
 
 #include "backends/vulkan/hierarchy.h"
+#include "core/rays/fill_views.h"
 #include "core/rays/primitive_bounds.h"
 #include "shaders/layout.h"
 #include "tests/agreement/scenes.h"
