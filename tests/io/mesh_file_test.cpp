@@ -269,12 +269,13 @@ TEST(MeshFile, DefectsAreCountedAndTold) {
   grid.points.push_back(grid.points[0]);  // once more, with another value
   for (const double v : {5.0, 99.0}) grid.pointArrays[0].values.push_back(v);
   grid.cells.push_back({10, {points, points + 1, points + 2, points + 3}});
-  grid.cells.push_back({10, {points, points + 1, points + 2, points + 4}});      // not finite
-  grid.cells.push_back({10, {points, points + 1, points + 2, points + 2}});      // a point twice
-  grid.cells.push_back({10, {points + 3, points + 2, points, points + 1}});      // repeated
-  grid.cells.push_back({10, {points + 5, points + 1, points + 2, points + 3}});  // the other value
-  grid.cells.push_back({5, {0, 1, 2}});                                          // flat
-  grid.cells.push_back({10, {0, 1, 2, points}});                                 // a ghost
+  grid.cells.push_back({10, {points, points + 1, points + 2, points + 4}});  // not finite
+  grid.cells.push_back({10, {points, points + 1, points + 2, points + 2}});  // a point twice
+  grid.cells.push_back({10, {points + 3, points + 2, points, points + 1}});  // repeated
+  // The other value; the cell overlaps the first one of these, with which it shares a face.
+  grid.cells.push_back({10, {points + 5, points + 1, points + 2, points + 3}});
+  grid.cells.push_back({5, {0, 1, 2}});           // flat
+  grid.cells.push_back({10, {0, 1, 2, points}});  // a ghost
   GridFile::Array cellGhosts{"vtkGhostType", "UInt8", 1, std::vector<double>(grid.cells.size(), 0)};
   cellGhosts.values.back() = 8;
   GridFile::Array pointGhosts{"vtkGhostType", "UInt8", 1, std::vector<double>(grid.points.size(), 0)};
@@ -298,14 +299,16 @@ TEST(MeshFile, DefectsAreCountedAndTold) {
     EXPECT_EQ(report.differingPoints, 1u);
     EXPECT_EQ(report.noDataPoints, 1u);
     EXPECT_EQ(report.crowdedFaces, 0u);
+    EXPECT_EQ(report.foldedFaces, 1u);
     std::string all;
     for (const std::string& warning : imported.warnings) all += warning + "\n";
     for (const char* text :
          {"1 cell without a volume left out", "1 ghost cell left out", "1 cell left out: a coordinate is not",
           "1 cell left out: another cell", "1 cell left out: a point is there twice",
-          "1 point has another value than an earlier point", "1 point has no finite value"})
+          "1 point has another value than an earlier point", "1 point has no finite value",
+          "1 face whose two cells are on the same side"})
       expectText(all, text);
-    EXPECT_EQ(imported.warnings.size(), 7u) << all;
+    EXPECT_EQ(imported.warnings.size(), 8u) << all;
     size_t other = 0;
     for (const auto& [partition, block] : imported.blocks)
       other += size_t(std::count(block.values.begin(), block.values.end(), 99.f));
