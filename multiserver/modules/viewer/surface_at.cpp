@@ -138,7 +138,8 @@ template <class Found>
 void ofMesh(const Vis& vis, const Mesh& mesh, glm::dvec3 point, const Found& found) {
   if (vis.isovalues.empty() && vis.slices.empty()) return;
   constexpr double kSlack = 1e-4;  // of a cell: what float leaves of a point on its border
-  for (const auto& [partition, block] : mesh.blocks) {
+  for (const auto& entry : mesh.blocks) {
+    const MeshBlock& block = entry.second;
     const std::vector<uint32_t>& corners = block.cells.points[size_t(CellType::Tetrahedron)];
     for (size_t cell = 0; cell < corners.size(); cell += 4) {
       const uint32_t* c = &corners[cell];
