@@ -13,6 +13,7 @@
 #include "core/data/connect.h"
 #include "core/kernels/single.h"
 #include "tests/kernels/random.h"
+#include "tests/support/meshes.h"
 #include "tests/support/seeds.h"
 
 namespace gxy {
@@ -32,24 +33,13 @@ struct TetMesh {
   }
 };
 
-/// The unit cube as n^3 cubes of six tetrahedra each. `move` is what is added to a point.
+/// test::cubeOfTets() with points as floats.
 template <class Move>
 TetMesh cubeOfTets(uint32_t n, Move&& move) {
+  const MeshPiece piece = test::cubeOfTets(n, move, [](glm::dvec3) { return 0.0; });
   TetMesh mesh;
-  const uint32_t m = n + 1;
-  for (uint32_t i = 0; i < m * m * m; i++) {
-    const glm::dvec3 p = glm::dvec3(i % m, i / m % m, i / (m * m)) / double(n);
-    mesh.points.emplace_back(p + move(p));
-  }
-  for (uint32_t i = 0; i < n * n * n; i++) {
-    const uint32_t x = i % n, y = i / n % n, z = i / (n * n);
-    const auto p = [&](uint32_t a, uint32_t b, uint32_t c) { return x + a + m * (y + b + m * (z + c)); };
-    const std::array<uint32_t, 6> around{p(1, 0, 0), p(1, 1, 0), p(0, 1, 0),
-                                         p(0, 1, 1), p(0, 0, 1), p(1, 0, 1)};
-    for (size_t k = 0; k < 6; k++)
-      mesh.cells.points[0].insert(mesh.cells.points[0].end(),
-                                  {p(0, 0, 0), around[k], around[(k + 1) % 6], p(1, 1, 1)});
-  }
+  for (const glm::dvec3& p : piece.points) mesh.points.emplace_back(p);
+  mesh.cells = piece.cells;
   mesh.connectAll();
   return mesh;
 }
