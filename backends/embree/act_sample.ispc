@@ -2,6 +2,7 @@
 // The act of a sampling: what is recorded where its rays meet surfaces, and which rays go on behind them.
 #include "backends/embree/kernel.isph"
 #include "core/kernels/sampling_view.h"
+#include "core/kernels/export.h"
 
 #define SAMPLING const uniform SamplingView&
 
@@ -48,7 +49,7 @@ static inline int recordHit(SCENE s, SAMPLING w, RAYS r, uniform int op, int i, 
 
 // Records the hits of rays which[0 ... n): the values of all fields (n of each), gradients (3 per hit, if asked for), and the number
 // of the hit on its ray, -1 if it does not count. Takes the rays behind the surfaces; `next` says which of them go on.
-export void sampleHits(const void* uniform scene, const void* uniform sampling, void* uniform rays, const uniform int which[],
+EXPORT void sampleHits(const void* uniform scene, const void* uniform sampling, void* uniform rays, const uniform int which[],
                        uniform int n, uniform float value[], uniform float gradient[], uniform int32 hit[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);

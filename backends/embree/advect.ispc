@@ -8,6 +8,7 @@
 #include "core/kernels/lines.h"
 #include "core/rays/head_fields.h"
 #include "core/rays/stored_fields.h"
+#include "core/kernels/export.h"
 // clang-format on
 
 struct HeadView {
@@ -106,7 +107,7 @@ static inline bool meets(FLOW v, const uniform VolumeView* uniform field, ivec3 
 // Advances the heads `which`, in turn. Those whose `reason` is then LINE_GOES_ON go on in another call: because
 // there was no room for more stored points (the result is true), or because heads have been in `most` cells, or have made as
 // many steps as these take.
-export uniform bool advanceHeads(const void* uniform flowPointer, const void* uniform vectorsPointer,
+EXPORT uniform bool advanceHeads(const void* uniform flowPointer, const void* uniform vectorsPointer,
                                  const void* uniform fieldPointer, void* uniform headsPointer,
                                  const uniform int which[], uniform int n, uniform int64 most,
                                  void* uniform storedPointer, uniform int capacity, uniform int& stored,
@@ -327,7 +328,7 @@ export uniform bool advanceHeads(const void* uniform flowPointer, const void* un
 }
 
 // Stored values of a component at stored points; NaN without data. Nothing at places without a head.
-export void recordValues(const void* uniform viewPointer, const void* uniform storedPointer, uniform int n,
+EXPORT void recordValues(const void* uniform viewPointer, const void* uniform storedPointer, uniform int n,
                          uniform float values[]) {
   const uniform VolumeView* uniform view = (const uniform VolumeView* uniform)viewPointer;
   const uniform StoredView* uniform s = (const uniform StoredView* uniform)storedPointer;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Surfaces in volumes: slices and isosurfaces.
 #include "backends/embree/kernel.isph"
+#include "core/kernels/export.h"
 
 static inline void takeHit(RAYS r, int i, float t, uniform int kind, uniform int op, int primitive) {
   if (t < r.tHit[i] || (t == r.tHit[i] && op < r.hitOperator[i])) {
@@ -11,7 +12,7 @@ static inline void takeHit(RAYS r, int i, float t, uniform int kind, uniform int
   }
 }
 
-export void hitSlices(const void* uniform scene, void* uniform rays, uniform int n, uniform int op) {
+EXPORT void hitSlices(const void* uniform scene, void* uniform rays, uniform int n, uniform int op) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   const uniform OperatorView& view = s.operator_[op];
@@ -37,7 +38,7 @@ export void hitSlices(const void* uniform scene, void* uniform rays, uniform int
   }
 }
 
-export void hitIsosurfaces(const void* uniform scene, void* uniform rays, uniform int n, uniform int op,
+EXPORT void hitIsosurfaces(const void* uniform scene, void* uniform rays, uniform int n, uniform int op,
                            uniform int64 counts[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hits of particles, path lines, triangles, and isosurfaces and slices of meshes.
 #include "backends/embree/geometry.isph"
+#include "core/kernels/export.h"
 
 // Finds each ray's nearest hit of geometry. With anyHit, rays that hit something just become opaque (A = 1),
 // and none goes on behind a surface.
-export void hitGeometry(const void* uniform scene, void* uniform rays, uniform int n, uniform bool anyHit) {
+EXPORT void hitGeometry(const void* uniform scene, void* uniform rays, uniform int n, uniform bool anyHit) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   // One per operator.

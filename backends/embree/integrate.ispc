@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Emission and absorption through the only volume that a scene renders.
 #include "backends/embree/kernel.isph"
+#include "core/kernels/export.h"
 
-export void integrateRays(const void* uniform scene, void* uniform rays, uniform int n, uniform int op, uniform int64 counts[]) {
+EXPORT void integrateRays(const void* uniform scene, void* uniform rays, uniform int n, uniform int op, uniform int64 counts[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   MAP map = s.operator_[op].map;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Emission and absorption through an unstructured volume. A tree over the faces of its shell finds where walks begin.
 #include "backends/embree/geometry.isph"
+#include "core/kernels/export.h"
 
-export void integrateRaysOfMesh(const void* uniform scene, void* uniform rays, uniform int n, uniform int op,
+EXPORT void integrateRaysOfMesh(const void* uniform scene, void* uniform rays, uniform int n, uniform int op,
                                 uniform int64 counts[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);

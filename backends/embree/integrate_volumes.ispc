@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Emission and absorption through several volumes at once.
 #include "backends/embree/kernel.isph"
+#include "core/kernels/export.h"
 
 // `volumes` are the `count` operators that are volume rendered, count <= MANY_VOLUMES.
-export void integrateRaysOfVolumes(const void* uniform scene, void* uniform rays, uniform int n,
+EXPORT void integrateRaysOfVolumes(const void* uniform scene, void* uniform rays, uniform int n,
                                 const uniform int volumes[], uniform int count, uniform int64 counts[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);

@@ -2,6 +2,7 @@
 // Shading of hits: the light that they add to their pixels, and the secondary rays that take away blocked
 // light (light_terms.h).
 #include "backends/embree/kernel.isph"
+#include "core/kernels/export.h"
 
 static inline Surface geometrySurface(OPERATOR op, unsigned int p, vec3 o, vec3 d, float t) {
   Surface f;
@@ -41,7 +42,7 @@ static inline void depositLightTerm(uniform int32 sum[], int k, LightTerm term) 
 // Shades the hits which[0 ... n) of primaries. `sum` (4 per hit, zeroed by the caller) receives what the
 // pixel gains, and the rays' A gains what the surface hides. `out` receives the secondary rays and has room
 // for n * (lights + occlusion rays). Returns the number of secondary rays.
-export uniform int shadeHits(const void* uniform scene, const void* uniform frame, void* uniform rays,
+EXPORT uniform int shadeHits(const void* uniform scene, const void* uniform frame, void* uniform rays,
                              const uniform int which[], uniform int n, uniform int32 sum[], void* uniform out) {
   USE_SCENE(s, scene);
   USE_FRAME(f, frame);
@@ -98,7 +99,7 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
 
 // Computes what the pixel of a ray that has ended gains (primaries) or loses (secondaries): 4 numbers per
 // ray.
-export void settleRays(const void* uniform scene, void* uniform rays, const uniform int which[], uniform int n, uniform int32 sum[]) {
+EXPORT void settleRays(const void* uniform scene, void* uniform rays, const uniform int which[], uniform int n, uniform int32 sum[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   foreach (k = 0 ... n) {
@@ -120,7 +121,7 @@ export void settleRays(const void* uniform scene, void* uniform rays, const unif
 
 // Takes rays that hit a surface on behind it, or ends them there. Secondaries lose the surface's share;
 // primaries have been shaded. `opacity` is per operator.
-export void passSurfaces(const void* uniform scene, void* uniform rays, uniform int n) {
+EXPORT void passSurfaces(const void* uniform scene, void* uniform rays, uniform int n) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   foreach (i = 0 ... n) {

@@ -2,11 +2,12 @@
 // From camera to rays (in double, then rebased to float where rays enter the visible domain), and from
 // partition to partition.
 #include "backends/embree/kernel.isph"
+#include "core/kernels/export.h"
 
 // Makes the rays of pixels [x0, x1) x [y0, y1) (at most 32 x 32) and one sample that meet a visible
 // partition, with the first such partition in `next`. Rays are made in 4 x 4 blocks of pixels for coherence.
 // Returns their number.
-export uniform int spawnRays(const void* uniform scene, const void* uniform frame, uniform int x0, uniform int y0,
+EXPORT uniform int spawnRays(const void* uniform scene, const void* uniform frame, uniform int x0, uniform int y0,
                              uniform int x1, uniform int y1, uniform int sample, void* uniform rays) {
   USE_SCENE(s, scene);
   USE_FRAME(f, frame);
@@ -48,7 +49,7 @@ export uniform int spawnRays(const void* uniform scene, const void* uniform fram
 }
 
 // Regenerates origin and direction of primaries that came over the wire.
-export void regenerateRays(const void* uniform frame, void* uniform rays, uniform int n) {
+EXPORT void regenerateRays(const void* uniform frame, void* uniform rays, uniform int n) {
   USE_FRAME(f, frame);
   USE_RAYS(r, rays);
   foreach (i = 0 ... n) {
@@ -62,7 +63,7 @@ export void regenerateRays(const void* uniform frame, void* uniform rays, unifor
 }
 
 // Computes the distance (render space) from the eye to the hits of primaries.
-export void eyeDistances(const void* uniform frame, void* uniform rays, const uniform int which[], uniform int n,
+EXPORT void eyeDistances(const void* uniform frame, void* uniform rays, const uniform int which[], uniform int n,
                          uniform double distance[]) {
   USE_FRAME(f, frame);
   USE_RAYS(r, rays);
@@ -76,7 +77,7 @@ export void eyeDistances(const void* uniform frame, void* uniform rays, const un
 }
 
 // Computes where each ray enters and leaves this partition, and sets its hit to none.
-export void boundRays(const void* uniform scene, void* uniform rays, uniform int n) {
+EXPORT void boundRays(const void* uniform scene, void* uniform rays, uniform int n) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   foreach (i = 0 ... n) {
@@ -94,7 +95,7 @@ export void boundRays(const void* uniform scene, void* uniform rays, uniform int
 
 // Finds where each ray that ended on no surface goes next. `start` is for secondary rays that begin, at t =
 // 0.
-export void routeRays(const void* uniform scene, void* uniform rays, uniform int n, uniform bool start) {
+EXPORT void routeRays(const void* uniform scene, void* uniform rays, uniform int n, uniform bool start) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   foreach (i = 0 ... n) {
@@ -116,4 +117,4 @@ export void routeRays(const void* uniform scene, void* uniform rays, uniform int
 }
 
 // The number of rays in a gang of the instruction set in use.
-export uniform int gangWidth() { return programCount; }
+EXPORT uniform int gangWidth() { return programCount; }

@@ -11,6 +11,7 @@
 // power. Method: argument reduction with a split constant (Cody & Waite, Software Manual for the Elementary Functions, 1980),
 // then a Taylor polynomial; the logarithm is twice the series of the inverse hyperbolic tangent. Sums and products with their
 // rounding errors: Knuth, The Art of Computer Programming vol. 2, 4.2.2; Dekker, Numerische Mathematik 18, 1971.
+#include "core/kernels/export.h"
 
 static inline double none() { return doublebits(0x7ff8000000000000); }
 
@@ -220,7 +221,7 @@ static inline double atan2Of(double y, double x) {
 }
 
 #define UNARY(NAME, RESULT)                                                                     \
-  export void NAME(const uniform double as[], uniform double to[], const uniform int points) {  \
+  EXPORT void NAME(const uniform double as[], uniform double to[], const uniform int points) {  \
     foreach (i = 0 ... points) {                                                                \
       double a = as[i];                                                                         \
       double s, c;                                                                              \
@@ -233,9 +234,9 @@ UNARY(pointSin, sinCosOf(a, s, c); to[i] = s)
 UNARY(pointCos, sinCosOf(a, s, c); to[i] = c)
 UNARY(pointTan, sinCosOf(a, s, c); to[i] = s / c)
 
-export void pointPower(const uniform double as[], const uniform double bs[], uniform double to[], const uniform int points) {
+EXPORT void pointPower(const uniform double as[], const uniform double bs[], uniform double to[], const uniform int points) {
   foreach (i = 0 ... points) to[i] = powerOf(as[i], bs[i]);
 }
-export void pointAtan2(const uniform double as[], const uniform double bs[], uniform double to[], const uniform int points) {
+EXPORT void pointAtan2(const uniform double as[], const uniform double bs[], uniform double to[], const uniform int points) {
   foreach (i = 0 ... points) to[i] = atan2Of(as[i], bs[i]);
 }

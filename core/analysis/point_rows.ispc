@@ -3,11 +3,12 @@
 // bits for every instruction set: there are only + - * /, sqrt, floor, comparisons and bit operations.
 //
 // The names of binary operations end with RR where both operands are rows, and with RN or NR where one is a number.
+#include "core/kernels/export.h"
 
 static inline double none() { return doublebits(0x7ff8000000000000); }
 
 #define UNARY(NAME, RESULT)                                                                     \
-  export void NAME(const uniform double as[], uniform double to[], const uniform int points) {  \
+  EXPORT void NAME(const uniform double as[], uniform double to[], const uniform int points) {  \
     foreach (i = 0 ... points) {                                                                \
       double a = as[i];                                                                         \
       to[i] = RESULT;                                                                           \
@@ -15,14 +16,14 @@ static inline double none() { return doublebits(0x7ff8000000000000); }
   }
 #define BINARY(NAME, RESULT)                                                                                                 \
   static inline double NAME(double a, double b) { return RESULT; }                                                           \
-  export void NAME##RR(const uniform double as[], const uniform double bs[], uniform double to[], const uniform int points) { \
+  EXPORT void NAME##RR(const uniform double as[], const uniform double bs[], uniform double to[], const uniform int points) { \
     foreach (i = 0 ... points) to[i] = NAME(as[i], bs[i]);                                                                   \
   }                                                                                                                          \
-  export void NAME##RN(const uniform double as[], const uniform double bs[], uniform double to[], const uniform int points) { \
+  EXPORT void NAME##RN(const uniform double as[], const uniform double bs[], uniform double to[], const uniform int points) { \
     const uniform double b = bs[0];                                                                                          \
     foreach (i = 0 ... points) to[i] = NAME(as[i], b);                                                                       \
   }                                                                                                                          \
-  export void NAME##NR(const uniform double as[], const uniform double bs[], uniform double to[], const uniform int points) { \
+  EXPORT void NAME##NR(const uniform double as[], const uniform double bs[], uniform double to[], const uniform int points) { \
     const uniform double a = as[0];                                                                                          \
     foreach (i = 0 ... points) to[i] = NAME(a, bs[i]);                                                                       \
   }
@@ -49,7 +50,7 @@ COMPARISON(pointNotEqual, a != b)
 BINARY(pointAnd, a == 0.0d || b == 0.0d ? 0.0d : a * b)
 BINARY(pointOr, a == 1.0d || b == 1.0d ? 1.0d : a + b)
 
-export void pointIf(const uniform double cs[], const uniform double as[], const uniform double bs[], const uniform bool aIsRow,
+EXPORT void pointIf(const uniform double cs[], const uniform double as[], const uniform double bs[], const uniform bool aIsRow,
                     const uniform bool bIsRow, uniform double to[], const uniform int points) {
   const uniform int ai = aIsRow ? 1 : 0, bi = bIsRow ? 1 : 0;
   foreach (i = 0 ... points) {
@@ -63,7 +64,7 @@ export void pointIf(const uniform double cs[], const uniform double as[], const 
 }
 
 // sqrt(a a + b b + c c)
-export void pointMag(const uniform double as[], const uniform double bs[], const uniform double cs[], uniform double to[],
+EXPORT void pointMag(const uniform double as[], const uniform double bs[], const uniform double cs[], uniform double to[],
                      const uniform int points) {
   foreach (i = 0 ... points) {
     double a = as[i], b = bs[i], c = cs[i];
@@ -74,7 +75,7 @@ export void pointMag(const uniform double as[], const uniform double bs[], const
 // Differences of order 2 along one axis: central, or one-sided where the neighbour on one side has no data; of order 1 where there
 // are only two points, and 0 where both neighbours have none. The rows are those two points before to two points behind; `half` is
 // 1 / (2 spacing).
-export void pointDifference(const uniform double m2[], const uniform double m1[], const uniform double cs[], const uniform double p1[],
+EXPORT void pointDifference(const uniform double m2[], const uniform double m1[], const uniform double cs[], const uniform double p1[],
                             const uniform double p2[], const uniform double half, uniform double to[], const uniform int points) {
   foreach (i = 0 ... points) {
     double c = cs[i], a = m1[i], b = p1[i];
@@ -97,7 +98,7 @@ export void pointDifference(const uniform double m2[], const uniform double m1[]
 
 // Second differences along one axis: central; where one neighbour has no data, the one-sided one of order 2, or of order 1 where
 // there are only three points; else 0. `scale` is 1 / spacing^2.
-export void pointSecondDifference(const uniform double m3[], const uniform double m2[], const uniform double m1[],
+EXPORT void pointSecondDifference(const uniform double m3[], const uniform double m2[], const uniform double m1[],
                                   const uniform double cs[], const uniform double p1[], const uniform double p2[],
                                   const uniform double p3[], const uniform double scale, uniform double to[],
                                   const uniform int points) {
@@ -121,7 +122,7 @@ export void pointSecondDifference(const uniform double m3[], const uniform doubl
 }
 
 // Replaces infinities by no data.
-export void pointFinite(uniform double row[], const uniform int points) {
+EXPORT void pointFinite(uniform double row[], const uniform int points) {
   foreach (i = 0 ... points) row[i] = row[i] - row[i] == 0.0d ? row[i] : none();
 }
 
@@ -132,17 +133,17 @@ static inline double valueOf(double v, const uniform double offset, const unifor
   return v - v == 0.0d ? offset + scale * v : none();
 }
 
-export void pointValues(uniform double row[], const uniform double offset, const uniform double scale, const uniform int points) {
+EXPORT void pointValues(uniform double row[], const uniform double offset, const uniform double scale, const uniform int points) {
   foreach (i = 0 ... points) row[i] = valueOf(row[i], offset, scale);
 }
 
-export void pointValuesOfFloats(const uniform float samples[], const uniform double offset, const uniform double scale,
+EXPORT void pointValuesOfFloats(const uniform float samples[], const uniform double offset, const uniform double scale,
                                 uniform double to[], const uniform int points) {
   foreach (i = 0 ... points) to[i] = valueOf(samples[i], offset, scale);
 }
 
 // The same of samples with three components.
-export void pointValuesOfVectors(const uniform float samples[], const uniform double offset, const uniform double scale,
+EXPORT void pointValuesOfVectors(const uniform float samples[], const uniform double offset, const uniform double scale,
                                  uniform double xs[], uniform double ys[], uniform double zs[], const uniform int points) {
   const uniform int whole = points - points % programCount;
   for (uniform int first = 0; first < whole; first += programCount) {
@@ -160,7 +161,7 @@ export void pointValuesOfVectors(const uniform float samples[], const uniform do
 }
 
 // Rounds values to float; what is too large for float, and no data, become NaN.
-export void pointFloats(const uniform double row[], uniform float to[], const uniform int points) {
+EXPORT void pointFloats(const uniform double row[], uniform float to[], const uniform int points) {
   foreach (i = 0 ... points) {
     double v = row[i];
     v = abs(v) < 1.1754943508222875e-38d ? 0.0d : v;
@@ -170,7 +171,7 @@ export void pointFloats(const uniform double row[], uniform float to[], const un
 }
 
 // Interleaves the components of vectors.
-export void pointVectors(const uniform float xs[], const uniform float ys[], const uniform float zs[], uniform float to[],
+EXPORT void pointVectors(const uniform float xs[], const uniform float ys[], const uniform float zs[], uniform float to[],
                          const uniform int points) {
   const uniform int whole = points - points % programCount;
   for (uniform int first = 0; first < whole; first += programCount)
@@ -183,7 +184,7 @@ export void pointVectors(const uniform float xs[], const uniform float ys[], con
 }
 
 // Adds the squares of `values` to those in `squares`, or sets these, and widens extremes[0] to [1] by the values.
-export void pointSquares(const uniform float values[], const uniform bool first, uniform double squares[], uniform double extremes[],
+EXPORT void pointSquares(const uniform float values[], const uniform bool first, uniform double squares[], uniform double extremes[],
                          const uniform int points) {
   double lo = extremes[0], hi = extremes[1];
   foreach (i = 0 ... points) {
@@ -198,7 +199,7 @@ export void pointSquares(const uniform float values[], const uniform bool first,
 }
 
 // Widens extremes[0] to [1] by the values, and returns how many are NaN.
-export uniform int pointExtremes(const uniform double values[], uniform double extremes[], const uniform int points) {
+EXPORT uniform int pointExtremes(const uniform double values[], uniform double extremes[], const uniform int points) {
   double lo = extremes[0], hi = extremes[1];
   int bad = 0;
   foreach (i = 0 ... points) {
@@ -213,7 +214,7 @@ export uniform int pointExtremes(const uniform double values[], uniform double e
 }
 
 // -tr(J J) / 2 of a jacobian d u_i / d x_j: half of |rotation|^2 - |strain|^2 (Hunt, Wray, Moin 1988).
-export void pointQ(const uniform double* const uniform j[], uniform double to[], const uniform int points) {
+EXPORT void pointQ(const uniform double* const uniform j[], uniform double to[], const uniform int points) {
   foreach (i = 0 ... points) {
     double diagonal = (j[0][i] * j[0][i] + j[4][i] * j[4][i]) + j[8][i] * j[8][i];
     double others = (j[1][i] * j[3][i] + j[2][i] * j[6][i]) + j[5][i] * j[7][i];
@@ -238,7 +239,7 @@ static inline void rotate(double& pp, double& qq, double& pq, double& pr, double
 }
 
 // The middle eigenvalue of the symmetric part of J J, which is S S + W W of strain and rotation (Jeong, Hussain 1995).
-export void pointLambda2(const uniform double* const uniform j[], uniform double to[], const uniform int points) {
+EXPORT void pointLambda2(const uniform double* const uniform j[], uniform double to[], const uniform int points) {
   foreach (i = 0 ... points) {
     double a = j[0][i], b = j[1][i], c = j[2][i], d = j[3][i], e = j[4][i], f = j[5][i], g = j[6][i], h = j[7][i], k = j[8][i];
     double xx = (a * a + b * d) + c * g, yy = (d * b + e * e) + f * h, zz = (g * c + h * f) + k * k;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What macrocells.cpp needs of the rows of points of one row of macrocells: their values as float, and extremes over them.
+#include "core/kernels/export.h"
 
 // Reads a row of a block in bricks: 8 points stand together, the next 8 stand `step` points later.
 #define READ_ROW(NAME, T)                                                                                        \
-  export void NAME(const uniform T row[], uniform int step, uniform int points, uniform float to[]) {            \
+  EXPORT void NAME(const uniform T row[], uniform int step, uniform int points, uniform float to[]) {            \
     for (uniform int x = 0; x + 8 <= points; x += 8, row += step) {                                              \
       foreach (i = 0 ... 8) {                                                                                    \
         to[x + i] = (float)row[i];                                                                               \
@@ -83,7 +84,7 @@ static inline void summarize(const uniform float rows[], uniform int64 pitch, un
 // after a row may be read. `extremes`: eight rows, also `pitch` apart, that are written: the least and the largest finite value; the
 // largest |first difference| and |second difference| of a point and those before it along y and z; the same with the next point
 // in x; the largest |second difference| along x; 1 where a value is not finite.
-export void summarizeRows(const uniform float rows[], uniform int64 pitch, uniform int perLayer, uniform int ny, uniform int nz,
+EXPORT void summarizeRows(const uniform float rows[], uniform int64 pitch, uniform int perLayer, uniform int ny, uniform int nz,
                           uniform int points, uniform bool finiteOnly, uniform float extremes[]) {
   if (finiteOnly)
     summarize(rows, pitch, perLayer, ny, nz, points, true, extremes);

@@ -12,9 +12,10 @@
 #include "core/kernels/scene_fetch.h"
 #include "core/kernels/scene.h"
 #include "tests/agreement/scene_probe.h"
+#include "core/kernels/export.h"
 // clang-format on
 
-export void PROBE(const void* uniform scene, const void* uniform frame, uniform int op, const uniform int list[],
+EXPORT void PROBE(const void* uniform scene, const void* uniform frame, uniform int op, const uniform int list[],
                   uniform int volumes, uniform int count, uniform float out[]) {
   const uniform SceneView* uniform s = (const uniform SceneView* uniform)scene;
   const uniform FrameView* uniform f = (const uniform FrameView* uniform)frame;

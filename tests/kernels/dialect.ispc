@@ -6,9 +6,10 @@
 #include "core/kernels/philox.h"
 #include "core/kernels/random_line.h"
 #include "tests/kernels/probe.h"
+#include "core/kernels/export.h"
 // clang-format on
 
-export void PROBE(uniform int count, uniform float out[]) {
+EXPORT void PROBE(uniform int count, uniform float out[]) {
   for (uniform int f = 0; f < PROBES; f++) {
     foreach (i = 0 ... count) out[f * count + i] = probe(f, (uint)i);
   }

@@ -7,9 +7,10 @@
 #include "core/kernels/cubic.h"
 #include "core/kernels/lines.h"
 #include "tests/lines/line_probe.h"
+#include "core/kernels/export.h"
 // clang-format on
 
-export void PROBE(uniform int count, uniform float out[]) {
+EXPORT void PROBE(uniform int count, uniform float out[]) {
   for (uniform int f = 0; f < LINE_PROBES; f++) {
     foreach (i = 0 ... count) out[f * count + i] = lineProbe(f, (uint)i);
   }

@@ -9,9 +9,10 @@
 #include "backends/embree/volume_fetch.isph"
 #include "core/kernels/fields.h"
 #include "tests/rays/field_probe.h"
+#include "core/kernels/export.h"
 // clang-format on
 
-export void PROBE(const void* uniform map, const void* uniform view, uniform int count, const uniform float rays[],
+EXPORT void PROBE(const void* uniform map, const void* uniform view, uniform int count, const uniform float rays[],
                   uniform float out[]) {
   const uniform MapView* uniform m = (const uniform MapView* uniform)map;
   const uniform VolumeView* uniform v = (const uniform VolumeView* uniform)view;

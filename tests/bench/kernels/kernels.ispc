@@ -7,6 +7,7 @@
 #include "backends/embree/map_fetch.isph"
 #include "backends/embree/volume_fetch.isph"
 #include "core/kernels/fields.h"
+#include "core/kernels/export.h"
 
 #define USE_VOLUME(name, p)                                                                \
   const uniform VolumeView* uniform name##Pointer = (const uniform VolumeView* uniform)p; \
@@ -21,7 +22,7 @@ static inline VolumeRay rayOf(VOLUME v, const uniform float rays[], int i) {
 }
 
 // `steps` samples along each ray.
-export void sampleRays(const void* uniform volume, const uniform float rays[], uniform int n,
+EXPORT void sampleRays(const void* uniform volume, const uniform float rays[], uniform int n,
                        uniform int steps, uniform float out[]) {
   USE_VOLUME(v, volume);
   foreach (i = 0 ... n) {
@@ -50,7 +51,7 @@ static inline int placeAlong(uniform int layout, uniform int side, uniform int a
 }
 
 // Values for side^3 points, each in its place.
-export void arrangePoints(uniform int side, uniform int layout, uniform float out[]) {
+EXPORT void arrangePoints(uniform int side, uniform int layout, uniform float out[]) {
   for (uniform int z = 0; z < side; z++)
     for (uniform int y = 0; y < side; y++)
       foreach (x = 0 ... side)
@@ -59,7 +60,7 @@ export void arrangePoints(uniform int side, uniform int layout, uniform float ou
 }
 
 // sampleRays of a volume whose points are arranged so.
-export void sampleArranged(const void* uniform volume, const uniform float points[], uniform int side,
+EXPORT void sampleArranged(const void* uniform volume, const uniform float points[], uniform int side,
                            uniform int layout, const uniform float rays[], uniform int n, uniform int steps, uniform float out[]) {
   USE_VOLUME(v, volume);
   foreach (i = 0 ... n) {
@@ -80,7 +81,7 @@ export void sampleArranged(const void* uniform volume, const uniform float point
 }
 
 // The walk that looks for isosurfaces; returns the number of cells.
-export uniform int64 findIsosurface(const void* uniform volume, const uniform float rays[], uniform int n,
+EXPORT uniform int64 findIsosurface(const void* uniform volume, const uniform float rays[], uniform int n,
                                     uniform float out[]) {
   USE_VOLUME(v, volume);
   int cells = 0, skipped = 0;
@@ -95,7 +96,7 @@ export uniform int64 findIsosurface(const void* uniform volume, const uniform fl
 }
 
 // Cubics by their Bernstein coefficients, four each.
-export void findRoots(const uniform float cubics[], uniform int n, uniform float out[]) {
+EXPORT void findRoots(const uniform float cubics[], uniform int n, uniform float out[]) {
   foreach (i = 0 ... n) {
     vec4 b = {cubics[4 * i], cubics[4 * i + 1], cubics[4 * i + 2], cubics[4 * i + 3]};
     RootQuery q;
@@ -110,7 +111,7 @@ export void findRoots(const uniform float cubics[], uniform int n, uniform float
   }
 }
 
-export void evaluateMap(const void* uniform mapData, const uniform float values[], uniform int n,
+EXPORT void evaluateMap(const void* uniform mapData, const uniform float values[], uniform int n,
                         uniform float out[]) {
   USE_MAP(map, mapData);
   foreach (i = 0 ... n) {
@@ -122,7 +123,7 @@ export void evaluateMap(const void* uniform mapData, const uniform float values[
 }
 
 // The map's mean between each value and the next, as pre-integrated segments take it.
-export void integrateMap(const void* uniform mapData, const uniform float values[], uniform int n,
+EXPORT void integrateMap(const void* uniform mapData, const uniform float values[], uniform int n,
                          uniform float out[]) {
   USE_MAP(map, mapData);
   foreach (i = 0 ... n - 1) {
@@ -131,7 +132,7 @@ export void integrateMap(const void* uniform mapData, const uniform float values
   }
 }
 
-export void marchRays(const void* uniform mapData, const void* uniform volume, const uniform float rays[], uniform int n,
+EXPORT void marchRays(const void* uniform mapData, const void* uniform volume, const uniform float rays[], uniform int n,
                       uniform float out[]) {
   USE_MAP(map, mapData);
   USE_VOLUME(v, volume);
@@ -154,7 +155,7 @@ export void marchRays(const void* uniform mapData, const void* uniform volume, c
 }
 
 // Every ray against the same `count` primitives, 8 floats each, as a packet meets the primitives of a leaf.
-export void hitBoxes(const uniform float rays[], uniform int n, const uniform float boxes[],
+EXPORT void hitBoxes(const uniform float rays[], uniform int n, const uniform float boxes[],
                      uniform int count, uniform float out[]) {
   foreach (i = 0 ... n) {
     const uniform float* r = rays + 6 * i;
@@ -170,7 +171,7 @@ export void hitBoxes(const uniform float rays[], uniform int n, const uniform fl
   }
 }
 
-export void hitSpheres(const uniform float rays[], uniform int n, const uniform float spheres[],
+EXPORT void hitSpheres(const uniform float rays[], uniform int n, const uniform float spheres[],
                        uniform int count, uniform float out[]) {
   foreach (i = 0 ... n) {
     const uniform float* r = rays + 6 * i;
@@ -184,7 +185,7 @@ export void hitSpheres(const uniform float rays[], uniform int n, const uniform 
   }
 }
 
-export void hitTubes(const uniform float rays[], uniform int n, const uniform float tubes[],
+EXPORT void hitTubes(const uniform float rays[], uniform int n, const uniform float tubes[],
                      uniform int count, uniform float out[]) {
   foreach (i = 0 ... n) {
     const uniform float* r = rays + 6 * i;
@@ -200,7 +201,7 @@ export void hitTubes(const uniform float rays[], uniform int n, const uniform fl
   }
 }
 
-export void hitTriangles(const uniform float rays[], uniform int n, const uniform float corners[],
+EXPORT void hitTriangles(const uniform float rays[], uniform int n, const uniform float corners[],
                          uniform int count, uniform float out[]) {
   foreach (i = 0 ... n) {
     const uniform float* r = rays + 6 * i;
