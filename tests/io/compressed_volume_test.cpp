@@ -30,8 +30,10 @@ const Grid kCube{{0, 0, 0}, {1, 1, 1}, {kSide, kSide, kSide}};
 
 vtkSmartPointer<vtkDataCompressor> compressorOf(const std::string& name) {
   if (name == "lz4") return vtkSmartPointer<vtkLZ4DataCompressor>::New();
-  if (name == "lzma") return vtkSmartPointer<vtkLZMADataCompressor>::New();
-  return vtkSmartPointer<vtkZLibDataCompressor>::New();
+  if (name == "zlib") return vtkSmartPointer<vtkZLibDataCompressor>::New();
+  const auto lzma = vtkSmartPointer<vtkLZMADataCompressor>::New();
+  lzma->SetCompressionLevel(1);  // higher ones take much memory for each block
+  return lzma;
 }
 
 float valueAt(int64_t i) { return float(i * 7919 % 1021); }
@@ -147,8 +149,7 @@ TEST(CompressedVolume, ReadingOfAnyFileEndsWhenItsWatchSaysSo) {
   EXPECT_EQ(asked, 3);
   // XML, whose parser reads for itself
   std::string text = R"(<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian">)";
-  while (text.size() < size_t(6) << 20)
-    text += "                                                              \n";
+  while (text.size() < size_t(6) << 20) text += "<!--" + std::string(4000, ' ') + "-->\n";
   writeText(folder / "v.vti", text);
   asked = 0;
   try {

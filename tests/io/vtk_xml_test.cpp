@@ -44,11 +44,13 @@ struct Form {
 };
 
 std::vector<Form> allForms() {
+  const auto lzma = vtkSmartPointer<vtkLZMADataCompressor>::New();
+  lzma->SetCompressionLevel(1);  // higher ones take much memory for each block
   std::vector<Form> forms;
   for (const vtkSmartPointer<vtkDataCompressor>& compressor :
        {vtkSmartPointer<vtkDataCompressor>(vtkSmartPointer<vtkZLibDataCompressor>::New()),
         vtkSmartPointer<vtkDataCompressor>(vtkSmartPointer<vtkLZ4DataCompressor>::New()),
-        vtkSmartPointer<vtkDataCompressor>(vtkSmartPointer<vtkLZMADataCompressor>::New())})
+        vtkSmartPointer<vtkDataCompressor>(lzma)})
     for (const auto& [mode, base64] :
          {std::pair{vtkXMLWriter::Appended, false}, std::pair{vtkXMLWriter::Appended, true},
           std::pair{vtkXMLWriter::Binary, false}, std::pair{vtkXMLWriter::Ascii, false}})
