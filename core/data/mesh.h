@@ -76,7 +76,7 @@ struct MeshReport {
   uint64_t flatCells = 0;        ///< cells of lower dimension, which have no volume and are left out
   uint64_t ghostCells = 0;       ///< duplicate, refined or hidden cells, which are left out
   uint64_t repeatedCells = 0;    ///< cells with the same points as another one, which are left out
-  uint64_t degenerateCells = 0;  ///< cells with a point twice, which are left out
+  uint64_t degenerateCells = 0;  ///< cells with a point twice that are no collapsed(), which are left out
   uint64_t unusableCells = 0;    ///< cells with a point whose coordinates are not finite, which are left out
   uint64_t mergedPoints = 0;     ///< points at exactly the same place as another one, which are taken as one
   uint64_t differingPoints =
