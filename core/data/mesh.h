@@ -100,6 +100,9 @@ struct Mesh {
   std::map<int, MeshBlock> blocks;  ///< by local partition
 };
 
+/// Whether all cells of the whole mesh are tetrahedra; it depends on `report` alone.
+bool hasOnlyTetrahedra(const Mesh& mesh);
+
 /// Returns the side of a cube as large as the mesh's box divided by the number of its cells, in world units: the reference length of
 /// opacities where a Vis gives none. It depends on `box` and `report` alone, so it is the same on all ranks. It is positive also if the
 /// box is flat or empty.
