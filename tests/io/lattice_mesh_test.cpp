@@ -339,6 +339,25 @@ TEST(LatticeMesh, SizesThatTheFileCannotHoldAreRefusedBeforeMemoryIsTaken) {
       }
 }
 
+TEST(LatticeMesh, MemoryIsAskedForBeforeItIsTaken) {
+  const TemporaryFolder folder;
+  for (const bool isCurved : {true, false}) {
+    const std::string path = folder / (std::string("grid") + endingOf(isCurved));
+    writeLattice(isCurved, {0, 20, 0, 20, 0, 20}, path);
+    SingleRank alone;
+    int64_t asked = 0;
+    const TakeMemory take = [&](int64_t bytes) { asked += bytes; };
+    LoadedMesh loaded = loadMesh(path, {}, alone, take);
+    const int64_t ofVtk = 9261 * int64_t(sizeof(glm::dvec3) + sizeof(float));  // its points and values
+    EXPECT_GE(asked, bytesOf(loaded.piece) + ofVtk);
+    asked = 0;
+    const Partitioning single = Partitioning::single(loaded.box);
+    const auto mesh = meshOf(std::move(loaded), single, alone, take);
+    EXPECT_GE(asked, bytesOf(*mesh));
+    EXPECT_THROW(loadMesh(path, {}, alone, [](int64_t) { throw Error("no room"); }), Error);
+  }
+}
+
 TEST(LatticeMesh, DamagedFilesGiveAnErrorOrAMesh) {
   const testing::QuietLog quiet;
   const TemporaryFolder folder;
