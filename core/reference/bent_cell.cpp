@@ -21,6 +21,8 @@ double rangeOf(const OfCorners& values, size_t corners) {
   return *high - *low;
 }
 
+Cubic linear(double a, double b) { return {{a, mix(a, b, 1 / 3.0), mix(a, b, 2 / 3.0), b}}; }
+
 /// The cubic through values at 0, 1/3, 2/3 and 1.
 Cubic throughThirds(double a, double b, double c, double d) {
   // Relative to the ends, so that a linear function has no error but rounding.
@@ -101,44 +103,54 @@ glm::dvec3 CellOnRay::placeAt(const CellPassage& passage, double t) const {
   return between(end(passage.in, none), end(passage.out, none), t, none).place;
 }
 
-void CellOnRay::split(const Split& how, const Sample& a, const Sample& b, int depth,
-                      std::vector<std::array<Sample, 2>>& ends, std::vector<Cubic>& cubics) const {
-  const auto sample = [&](double w) { return between(a, b, mix(a.t, b.t, w), *how.values); };
-  const Sample third = sample(1 / 3.0), twoThirds = sample(2 / 3.0);
+void CellOnRay::split(const Split& how, const FourSamples& at, int depth, std::vector<FourSamples>& stretches,
+                      std::vector<Cubic>& cubics) const {
+  const auto& [a, third, twoThirds, b] = at;
   const Cubic cubic = throughThirds(a.value, third.value, twoThirds.value, b.value);
+  const OfCorners& values = *how.values;
+  const std::array<double, 3> w{1 / 6.0, 0.5, 5 / 6.0};
+  const std::array<Sample, 3> middles{between(a, third, mix(a.t, b.t, w[0]), values),
+                                      between(third, twoThirds, mix(a.t, b.t, w[1]), values),
+                                      between(twoThirds, b, mix(a.t, b.t, w[2]), values)};
   double error = 0, noise = std::max(third.noise, twoThirds.noise);
   bool found = third.found && twoThirds.found;
-  for (const double w : {1 / 6.0, 0.5, 5 / 6.0}) {
-    const Sample one = sample(w);
-    error = std::max(error, std::abs(one.value - cubic.value(w)));
-    noise = std::max(noise, one.noise);
-    found = found && one.found;
+  for (size_t i = 0; i < 3; i++) {
+    error = std::max(error, std::abs(middles[i].value - cubic.value(w[i])));
+    noise = std::max(noise, middles[i].noise);
+    found = found && middles[i].found;
   }
-  const double middle = mix(a.t, b.t, 0.5);
   const bool without = how.rootsOnly && (cubic.min() > 10 * error || cubic.max() < -10 * error);
-  if (without || error <= how.tolerance + 4 * noise * how.range ||
-      depth >= (found ? kDeepestStretch : kDeepestLost) || cubics.size() >= kMostStretches ||
-      !(middle > a.t && middle < b.t)) {
-    ends.push_back({a, b});
-    cubics.push_back(cubic);
+  const bool exact = error <= how.tolerance + 4 * noise * how.range;
+  const bool least = depth >= (found ? kDeepestStretch : kDeepestLost) || cubics.size() >= kMostStretches ||
+                     !(a.t < middles[0].t && third.t < middles[1].t && middles[2].t < b.t);
+  if (without || exact || least) {
+    stretches.push_back(at);
+    cubics.push_back(found ? cubic : linear(a.value, b.value));
     return;
   }
-  const Sample between = sample(0.5);
-  split(how, a, between, depth + 1, ends, cubics);
-  split(how, between, b, depth + 1, ends, cubics);
+  // The thirds of a half are sixths of the whole.
+  split(how, {a, middles[0], third, middles[1]}, depth + 1, stretches, cubics);
+  split(how, {middles[1], twoThirds, middles[2], b}, depth + 1, stretches, cubics);
+}
+
+std::vector<Cubic> CellOnRay::cubicsOf(const Split& how, const Sample& in, const Sample& out,
+                                       std::vector<FourSamples>& stretches) const {
+  const auto at = [&](double w) { return between(in, out, mix(in.t, out.t, w), *how.values); };
+  std::vector<Cubic> cubics;
+  split(how, {in, at(1 / 3.0), at(2 / 3.0), out}, 0, stretches, cubics);
+  return cubics;
 }
 
 std::vector<CellStretch> CellOnRay::stretches(const CellPassage& passage, const OfCorners& values,
                                               double tolerance) const {
   const Sample in = end(passage.in, values), out = end(passage.out, values);
   const double range = rangeOf(values, shapeOf(cell_->type).points);
-  if (range == 0 || !(in.t < out.t))
-    return {{in.t, out.t, throughThirds(in.value, in.value, out.value, out.value)}};
-  std::vector<std::array<Sample, 2>> ends;
-  std::vector<Cubic> cubics;
-  split({&values, range, tolerance, false}, in, out, 0, ends, cubics);
+  if (range == 0 || !(in.t < out.t)) return {{in.t, out.t, linear(in.value, out.value)}};
+  std::vector<FourSamples> samples;
+  const std::vector<Cubic> cubics = cubicsOf({&values, range, tolerance, false}, in, out, samples);
   std::vector<CellStretch> stretches;
-  for (size_t i = 0; i < cubics.size(); i++) stretches.push_back({ends[i][0].t, ends[i][1].t, cubics[i]});
+  for (size_t i = 0; i < cubics.size(); i++)
+    stretches.push_back({samples[i].front().t, samples[i].back().t, cubics[i]});
   return stretches;
 }
 
@@ -175,12 +187,11 @@ std::vector<CellRoot> CellOnRay::roots(const CellPassage& passage, const OfCorne
     const bool passed = (in.value > 0) != (out.value > 0);
     return passed ? std::vector<CellRoot>{{in.t, in.place}} : std::vector<CellRoot>();
   }
-  std::vector<std::array<Sample, 2>> ends;
-  std::vector<Cubic> cubics;
-  split({&values, range, 1e-9 * range, true}, in, out, 0, ends, cubics);
+  std::vector<FourSamples> samples;
+  const std::vector<Cubic> cubics = cubicsOf({&values, range, 1e-9 * range, true}, in, out, samples);
   std::vector<CellRoot> found;
   for (size_t i = 0; i < cubics.size(); i++) {
-    const auto& [a, b] = ends[i];
+    const Sample &a = samples[i].front(), &b = samples[i].back();
     Sample last = a;
     const auto goOn = [&](const Sample& next) {
       if ((last.value > 0) != (next.value > 0)) found.push_back(root(last, next, values));

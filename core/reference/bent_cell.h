@@ -79,8 +79,13 @@ class CellOnRay {
   glm::dvec3 placeOf(const FaceMeeting& meeting) const;
   Sample end(const FaceMeeting& meeting, const OfCorners& values) const;
   Sample between(const Sample& a, const Sample& b, double t, const OfCorners& values) const;
-  void split(const Split& how, const Sample& a, const Sample& b, int depth,
-             std::vector<std::array<Sample, 2>>& ends, std::vector<Cubic>& cubics) const;
+  /// Samples at 0, 1/3, 2/3 and 1 of a stretch.
+  using FourSamples = std::array<Sample, 4>;
+  /// Adds the stretches of one that may be too long, with their cubics.
+  void split(const Split& how, const FourSamples& at, int depth, std::vector<FourSamples>& stretches,
+             std::vector<Cubic>& cubics) const;
+  std::vector<Cubic> cubicsOf(const Split& how, const Sample& in, const Sample& out,
+                              std::vector<FourSamples>& stretches) const;
   CellRoot root(Sample a, Sample b, const OfCorners& values) const;
 
   const BentCell* cell_;

@@ -13,14 +13,18 @@ namespace {
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 ShapeFunctions hexahedronAt(glm::dvec3 p) {
+  const double u = p.x, v = p.y, w = p.z, ru = 1 - u, rv = 1 - v, rw = 1 - w;
   ShapeFunctions at;
-  for (size_t k = 0; k < 8; k++) {
-    const glm::dvec3 corner = placeOfCorner(CellType::Hexahedron, k);
-    glm::dvec3 f, slope;
-    for (int a = 0; a < 3; a++) f[a] = corner[a] > 0 ? p[a] : 1 - p[a], slope[a] = corner[a] > 0 ? 1 : -1;
-    at.weight[k] = f.x * f.y * f.z;
-    at.slope[k] = slope * glm::dvec3(f.y * f.z, f.x * f.z, f.x * f.y);
-  }
+  at.weight = {ru * rv * rw, u * rv * rw, u * v * rw, ru * v * rw,
+               ru * rv * w,  u * rv * w,  u * v * w,  ru * v * w};
+  at.slope = {glm::dvec3(-rv * rw, -ru * rw, -ru * rv),
+              {rv * rw, -u * rw, -u * rv},
+              {v * rw, u * rw, -u * v},
+              {-v * rw, ru * rw, -ru * v},
+              {-rv * w, -ru * w, ru * rv},
+              {rv * w, -u * w, u * rv},
+              {v * w, u * w, u * v},
+              {-v * w, ru * w, ru * v}};
   return at;
 }
 

@@ -14,6 +14,9 @@
 namespace gxy::reference {
 namespace {
 
+/// How far a cubic along a ray may be from the field of a cell, as a part of the range of the cell's values.
+constexpr double kTolerance = 1e-8;
+
 /// Points at the same place get the same number.
 std::vector<uint32_t> numberedByPlace(const std::vector<glm::dvec3>& points) {
   std::vector<uint32_t> order(points.size()), numbers(points.size());
@@ -149,7 +152,7 @@ std::vector<MeshSpan> MeshField::along(const Ray& ray, Interval range) const {
     for (const CellPassage& passage : on.passages()) {
       if (passage.in.t == passage.out.t || !isMet(passage.in.t, passage.out.t)) continue;
       Part part{passage.in.t, passage.out.t, passage.in.mean(values), passage.out.mean(values), {}};
-      for (const CellStretch& one : on.stretches(passage, values, 1e-10 * (*high - *low)))
+      for (const CellStretch& one : on.stretches(passage, values, kTolerance * (*high - *low)))
         if (isMet(one.t0, one.t1)) part.spans.push_back({one.t0, one.t1, one.value});
       parts.push_back(std::move(part));
     }

@@ -119,6 +119,20 @@ TEST(CellPicture, TheEyeInACellSeesFromThereOn) {
   }
 }
 
+TEST(CellPicture, ASurfaceThatARayPassesTwiceInOneCellIsSeenTwice) {
+  const MeshPiece piece = test::cubeOfHexes(1, kStill, [](glm::dvec3 p) { return p.x * (1 - p.y); });
+  Vis vis;
+  vis.isovalues = {0.2};
+  vis.opacity = 0.5;
+  vis.colormap.points = {{0, glm::dvec3(1)}};
+  const auto alpha = [&](const glm::dvec3& from, const glm::dvec3& to) {
+    return renderReference(sceneWith(vis, piece), along(from, to - from)).rgba[3];
+  };
+  EXPECT_NEAR(alpha({-1, -1, 0.3}, {2, 2, 0.5}), 0.75, 1e-12) << "s (1 - s) is 0.2 twice";
+  EXPECT_NEAR(alpha({-1, 0.3, 0.3}, {2, 0.3, 0.5}), 0.5, 1e-12);
+  EXPECT_NEAR(alpha({-0.5, 0.5, 0.3}, {0.5, 1.5, 0.3}), 0, 1e-12);
+}
+
 TEST(CellPicture, CellsOfAllTypesAreCountedInTheTypicalLength) {
   const MeshPiece piece = test::cubeOfAllCells(3, inside(0.04, 9), kOne);
   Vis vis = hazeOf({{0, 0.05}});
