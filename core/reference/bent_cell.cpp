@@ -82,7 +82,7 @@ CellOnRay::Sample CellOnRay::between(const Sample& a, const Sample& b, double t,
                                      const OfCorners& values) const {
   const size_t corners = shapeOf(cell_->type).points;
   const auto points = std::span(seen_).first(corners);
-  const double w = (t - a.t) / (b.t - a.t);
+  const double w = b.t > a.t ? (t - a.t) / (b.t - a.t) : 0.5;
   const glm::dvec3 straight = glm::mix(a.place, b.place, w), target(0, 0, t);
   glm::dvec3 middle(0);
   for (size_t k = 0; k < corners; k++) middle += placeOfCorner(cell_->type, k) / double(corners);
