@@ -29,6 +29,11 @@ bool hitPrimitive(OperatorView op, uint p, vec3 o, vec3 d, float after, LastHit 
   }
   if ((SURFACES & SURFACE_CELLS) != 0 && op.kind == KIND_MESH)
     hit = hitCell(frameRay(o, d), levelCorner(op, p, 0), levelCorner(op, p, 1), levelCorner(op, p, 2), levelCorner(op, p, 3), after, t);
+  if ((SURFACES & SURFACE_HEXES) != 0 && op.kind == KIND_HEX_MESH) {
+    Hexahedron h = Hexahedron(hexLevel(op, p, 0), hexLevel(op, p, 1), hexLevel(op, p, 2), hexLevel(op, p, 3),
+                              hexLevel(op, p, 4), hexLevel(op, p, 5), hexLevel(op, p, 6), hexLevel(op, p, 7));
+    hit = hitHexahedron(frameRay(o, d), h, levelOrders(op, p), after, t);
+  }
   return hit;
 }
 

@@ -8,6 +8,24 @@
 
 vec4 geometryReals(uint i) { return uintBitsToFloat(geometryQuad(i)); }
 
+#define OF_HEXAHEDRA ((SURFACES & SURFACE_HEXES) != 0)
+
+bool passesTetFace(OperatorView op, FrameRay f, uint face, out float t) {
+  vec3 a = placeOf(vertexOf(op, cornerOfFace(op, face, 0)));
+  vec3 b = placeOf(vertexOf(op, cornerOfFace(op, face, 1)));
+  vec3 c = placeOf(vertexOf(op, cornerOfFace(op, face, 2)));
+  return passesFace(f, a, b, c, t);
+}
+
+bool passesHexFace(OperatorView op, FrameRay f, uint face, out float t) {
+  uint orders = hexOrders(op, face >> 3), at = (face >> 3) * 8u, corners = orderedCorners(face & 7u, orders);
+  vec3 a = placeOf(vertexOf(op, hexPoint(op, at + (corners & 7u))));
+  vec3 b = placeOf(vertexOf(op, hexPoint(op, at + ((corners >> 4) & 7u))));
+  vec3 c = placeOf(vertexOf(op, hexPoint(op, at + ((corners >> 8) & 7u))));
+  vec3 d = placeOf(vertexOf(op, hexPoint(op, at + (corners >> 12))));
+  return passesSide(f, a, b, c, d, isTriangle(face & 7u, orders), t);
+}
+
 // Finds the first face of the shell behind `last` that the ray passes before `most`, and puts it in place of that. Returns whether there
 // is one.
 bool nextOfShell(OperatorView op, FrameRay f, vec3 o, vec3 rd, float from, float most, inout ShellPlace last) {
@@ -44,11 +62,8 @@ bool nextOfShell(OperatorView op, FrameRay f, vec3 o, vec3 rd, float from, float
       uint first = child & NODE_FIRST, count = ((child >> NODE_COUNT_SHIFT) & 7u) + 1u;
       for (uint k = first; k < first + count; k++) {
         uint p = geometryWord(list + 2u * k + 1u), face = shellFace(op, p);
-        vec3 a = placeOf(vertexOf(op, cornerOfFace(op, face, 0)));
-        vec3 b = placeOf(vertexOf(op, cornerOfFace(op, face, 1)));
-        vec3 c = placeOf(vertexOf(op, cornerOfFace(op, face, 2)));
         float t;
-        bool passes = passesFace(f, a, b, c, t);
+        bool passes = OF_HEXAHEDRA ? passesHexFace(op, f, face, t) : passesTetFace(op, f, face, t);
         if (passes && beginsBehind(last, t, p, face) && (t < nearest || (t == nearest && found && p < number))) {
           nearest = t;
           number = p;
@@ -83,7 +98,11 @@ void main() {
     float from = last.t - 1e-5 * (abs(last.t) + unit);  // boxes are met within rounding
     goes = nextOfShell(op, f, o, rd, from, most, last);
     if (goes) {
-      last.ended = walkMesh(op, f, m, shellFace(op, last.number), w, L, samples, cells);
+      uint face = shellFace(op, last.number);
+      if (OF_HEXAHEDRA)
+        last.ended = walkHexahedra(op, f, m, face, w, L, samples, cells);
+      else
+        last.ended = walkMesh(op, f, m, face, w, L, samples, cells);
       walks++;
       goes = w.goes;
     }

@@ -48,8 +48,9 @@
 #define SURFACE_CASTS 32     // surfaces make secondary rays
 #define SURFACE_STARTS 64    // rays may start on an isosurface
 #define SURFACE_COUNTS 128   // nodes and primitives of geometry are counted
-#define SURFACE_CELLS 512    // isosurfaces and slices of meshes
 #define SURFACE_SAMPLED 256  // rays sample surfaces, and give nothing to pixels
+#define SURFACE_CELLS 512    // isosurfaces and slices of meshes of tetrahedra
+#define SURFACE_HEXES 1024   // those of meshes of hexahedra; or the march through one
 
 #define SCENE_SET 0
 #define SCENE_BINDING 0

@@ -81,9 +81,15 @@ uint neighbourOf(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); 
 vec4 vertexOf(OPERATOR op, uint i) { return uintBitsToFloat(geometryQuad(op.points + 4u * i)); }
 uint cellCorner(OPERATOR op, uint i) { return geometryWord(op.indices + i); }
 uint cellNeighbour(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); }
+uint hexPoint(OPERATOR op, uint i) { return geometryWord(op.indices + i); }
+uint hexNeighbour(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); }
+uint hexOrders(OPERATOR op, uint i) { return geometryWord(op.orders + i); }
 uint shellFace(OPERATOR op, uint i) { return geometryWord(op.shell + i); }
 vec4 levelCorner(OPERATOR op, uint p, int k) { return uintBitsToFloat(geometryQuad(op.levelCorners + 16u * p + 4u * uint(k))); }
 vec4 levelValues(OPERATOR op, uint p) { return uintBitsToFloat(geometryQuad(op.levelValues + 4u * p)); }
+vec4 hexLevel(OPERATOR op, uint p, int k) { return uintBitsToFloat(geometryQuad(op.levelCorners + 32u * p + 4u * uint(k))); }
+float hexValue(OPERATOR op, uint p, int k) { return geometryReal(op.levelValues + 8u * p + uint(k)); }
+uint levelOrders(OPERATOR op, uint p) { return geometryWord(op.levelOrders + p); }
 uint surfaceOf(OPERATOR op, uint p) { return geometryWord(op.surfaces + p); }
 vec3 sliceNormal(OPERATOR op, uint i) {
   uint k = op.slice + 4u * i;

@@ -17,6 +17,7 @@ Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
   if ((SURFACES & SURFACE_PATHLINES) != 0 && view.kind == KIND_PATHLINES) surface = tubeSurface(view, p, o, d, after);
   if ((SURFACES & SURFACE_TRIANGLES) != 0 && view.kind == KIND_TRIANGLES) surface = triangleSurface(view, p, o, d, after);
   if ((SURFACES & SURFACE_CELLS) != 0 && view.kind == KIND_MESH) surface = cellSurface(view, p, o, d, GIVEN(tHit));
+  if ((SURFACES & SURFACE_HEXES) != 0 && view.kind == KIND_HEX_MESH) surface = hexSurface(view, p, o, d, GIVEN(tHit));
   return surfaceSeen(surface, d, view.twoSided != 0);
 }
 

@@ -109,7 +109,8 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
       if (op.data.mesh) {
         if (primitives) {
           part.shellViews.resize(operators.size());
-          part.shellViews[i] = treeOver(*primitives, KIND_SHELL);
+          part.shellViews[i] =
+              treeOver(*primitives, viewKindOf(op) == KIND_MESH ? KIND_SHELL : KIND_HEX_SHELL);
           part.operators[i].shellHierarchy = &part.shellViews[i];
         }
         primitives = mine->surfaces.get();
@@ -266,7 +267,10 @@ class EmbreeScene::Packet {
     Stopwatch time(c.nsIntegrate);
     c.runs(Kernel::IntegrateMesh)++;
     int64_t counts[3] = {};
-    ispc::integrateRaysOfMesh(&part_.view, &view, n, op, counts);
+    if (part_.operators[size_t(op)].kind == KIND_MESH)
+      ispc::integrateRaysOfMesh(&part_.view, &view, n, op, counts);
+    else
+      ispc::integrateRaysOfHexahedra(&part_.view, &view, n, op, counts);
     c.samples += uint64_t(counts[0]);
     c.meshCells += uint64_t(counts[1]);
     c.meshWalks += uint64_t(counts[2]);

@@ -54,7 +54,7 @@ EXPORT void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
           LANE(g, metBX) = met.b.x, LANE(g, metBY) = met.b.y, LANE(g, metBZ) = met.b.z;
         }
       }
-      if (kind == KIND_TRIANGLES || kind == KIND_MESH) takeFrame(g, frameOf(d));
+      if (kind >= KIND_TRIANGLES) takeFrame(g, frameOf(d));
       if (anyHit) {
         uniform int64 goOn = meetBundles(g, lanes, lone, kind, tree[k], true, false);
         bool met = isIn(lanes & ~goOn);

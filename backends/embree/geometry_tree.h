@@ -24,7 +24,7 @@ struct GeometryTreeView {
   const float* leaves = nullptr;
 };
 
-/// Builds a tree over the primitives of a part, of KIND_PARTICLES, KIND_PATHLINES, KIND_TRIANGLES, KIND_MESH or KIND_SHELL, for
+/// Builds a tree over the primitives of a part, of KIND_PARTICLES, KIND_PATHLINES, KIND_TRIANGLES, or of meshes, for
 /// gangs of 4, 8 or 16 lanes. It is built by Embree on all cores. Throws Error if that fails.
 GeometryTree buildGeometryTree(
     int kind, const GeometryInPartition& part, int lanes, const Advance& advance = [](double) {});

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Emission and absorption through an unstructured volume. A tree over the faces of its shell finds where walks begin.
+#define MEETS_SHELLS
 #include "backends/embree/geometry.isph"
 #include "core/kernels/export.h"
 
-EXPORT void integrateRaysOfMesh(const void* uniform scene, void* uniform rays, uniform int n, uniform int op,
-                                uniform int64 counts[]) {
+static inline void integrateRays(const void* uniform scene, void* uniform rays, uniform int n, uniform int op,
+                                 const uniform int shell, uniform int64 counts[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   OPERATOR mesh = s.operator_[op];
@@ -35,12 +36,15 @@ EXPORT void integrateRaysOfMesh(const void* uniform scene, void* uniform rays, u
       LANE(g, tFar) = most;
       LANE(g, tClip) = most;
       LANE(g, primitive) = NO_PRIMITIVE;
-      meetBundles(g, lanes, lone, KIND_SHELL, *tree, false, false);
+      meetBundles(g, lanes, lone, shell, *tree, false, false);
       goes = goes && LANE(g, primitive) != NO_PRIMITIVE;
       if (goes) {
         last.t = LANE(g, tFar);
         last.number = LANE(g, primitive);
-        last.ended = walkMesh(mesh, f, m, shellFace(mesh, last.number), w, L, samples, cells);
+        if (shell == KIND_SHELL)
+          last.ended = walkMesh(mesh, f, m, shellFace(mesh, last.number), w, L, samples, cells);
+        else
+          last.ended = walkHexahedra(mesh, f, m, shellFace(mesh, last.number), w, L, samples, cells);
         walks++;
         goes = w.goes;
       }
@@ -50,4 +54,14 @@ EXPORT void integrateRaysOfMesh(const void* uniform scene, void* uniform rays, u
   counts[0] += reduce_add((int64)samples);
   counts[1] += reduce_add((int64)cells);
   counts[2] += reduce_add((int64)walks);
+}
+
+EXPORT void integrateRaysOfMesh(const void* uniform scene, void* uniform rays, uniform int n, uniform int op,
+                                uniform int64 counts[]) {
+  integrateRays(scene, rays, n, op, KIND_SHELL, counts);
+}
+
+EXPORT void integrateRaysOfHexahedra(const void* uniform scene, void* uniform rays, uniform int n, uniform int op,
+                                     uniform int64 counts[]) {
+  integrateRays(scene, rays, n, op, KIND_HEX_SHELL, counts);
 }

@@ -13,6 +13,8 @@ static inline Surface geometrySurface(OPERATOR op, unsigned int p, vec3 o, vec3 
     f = tubeSurface(op, p, o, d, after);
   else if (op.kind == KIND_MESH)
     f = cellSurface(op, p, o, d, t);
+  else if (op.kind == KIND_HEX_MESH)
+    f = hexSurface(op, p, o, d, t);
   else
     f = triangleSurface(op, p, o, d, after);
   return f;

@@ -22,3 +22,8 @@
 #define TREE_TRIANGLE_ROWS 9  // three corners
 #define TREE_CELL_ROWS 16     // four corners and their levels
 #define TREE_SHELL_ROWS 10    // three corners, and the face (GeometryInPartition::shell)
+// The same of hexahedra: eight corners and their levels, and the orders of the sides; four corners in order, the face, and whether it is a
+// triangle.
+#define TREE_HEX_CELL_ROWS 33
+#define TREE_HEX_SHELL_ROWS 14
+#define TREE_MOST_ROWS 33

@@ -64,7 +64,8 @@ void addPrimitives(std::vector<RTCBuildPrimitive>& all, const CompiledScene& sce
                    int kind) {
   const auto found = scene.operators[op].parts.find(partition);
   if (found == scene.operators[op].parts.end()) return;
-  const auto& primitives = kind == KIND_MESH ? found->second.surfaces : found->second.geometry;
+  const bool isOfCells = kind == KIND_MESH || kind == KIND_HEX_MESH;
+  const auto& primitives = isOfCells ? found->second.surfaces : found->second.geometry;
   if (primitives) embree::addPrimitives(all, unsigned(op), kind, *primitives);
 }
 
@@ -88,7 +89,8 @@ Hierarchy hierarchyOf(const CompiledScene& scene, int partition, const Advance& 
 
 Hierarchy shellHierarchyOf(const CompiledScene& scene, int op, int partition, const Advance& advance) {
   std::vector<RTCBuildPrimitive> primitives;
-  addPrimitives(primitives, scene, size_t(op), partition, KIND_SHELL);
+  const int kind = viewKindOf(scene.operators[size_t(op)]) == KIND_MESH ? KIND_SHELL : KIND_HEX_SHELL;
+  addPrimitives(primitives, scene, size_t(op), partition, kind);
   return hierarchyOver(std::move(primitives), advance);
 }
 

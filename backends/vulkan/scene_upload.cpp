@@ -140,10 +140,11 @@ class Uploading {
       fillVolumeView(fields_.emplace_back(), op, part, inTables_);
       shader::OperatorView& view = operators_.emplace_back();
       fillOperatorView(view, op, inTables_);
-      if (primitives_[scene.operators.size() + i]) out_.geometryKinds |= SURFACE_CELLS;
+      if (primitives_[scene.operators.size() + i])
+        out_.geometryKinds |= view.kind == KIND_MESH ? SURFACE_CELLS : SURFACE_HEXES;
       if (primitives_[i]) {
-        constexpr int kBits[] = {0, SURFACE_PARTICLES, SURFACE_PATHLINES, SURFACE_TRIANGLES, 0};
-        out_.geometryKinds |= kBits[view.kind];
+        constexpr int kBits[] = {0, SURFACE_PARTICLES, SURFACE_PATHLINES, SURFACE_TRIANGLES};
+        if (!op.data.mesh) out_.geometryKinds |= kBits[view.kind];
       }
       out_.hasBlock.push_back(part && part->block);
       out_.hasCells.push_back(primitives_[i] && op.data.mesh);
@@ -190,10 +191,12 @@ class Uploading {
         view.colors = at.colors;
         view.indices = at.indices;
         view.neighbours = at.neighbours;
+        view.orders = at.orders;
         view.shell = at.shell;
         view.surfaceCells = at.surfaceCells;
         view.levelCorners = at.levelCorners;
         view.levelValues = at.levelValues;
+        view.levelOrders = at.levelOrders;
         view.surfaces = at.surfaces;
         view.shellHierarchy = at.shellHierarchy;
       }

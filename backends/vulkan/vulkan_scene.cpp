@@ -317,7 +317,9 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartitionOnDevice& pa
     if (part.hasIsosurface[size_t(op)]) add(Stage::Isosurfaces, crosses, op);
   const std::vector<int32_t>& volumes = scene_->rendered;
   if (volumes.size() == 1 && part.hasCells[size_t(volumes[0])]) {
-    add(Stage::IntegrateMesh, special, volumes[0]);
+    Special marches = special;
+    marches.surfaces = viewKindOf(scene_->operators[size_t(volumes[0])]) == KIND_HEX_MESH ? SURFACE_HEXES : 0;
+    add(Stage::IntegrateMesh, marches, volumes[0]);
   } else if (std::any_of(volumes.begin(), volumes.end(), isHere)) {
     if (volumes.size() == 1)
       add(Stage::Integrate, special, volumes[0]);

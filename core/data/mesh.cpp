@@ -53,6 +53,11 @@ std::span<const uint32_t> MeshCells::pointsOf(uint32_t cell) const {
   return std::span(points[size_t(type)]).subspan((cell - first(type)) * n, n);
 }
 
+bool hasOnlyTetrahedra(const Mesh& mesh) {
+  const auto& cells = mesh.report.cells;
+  return std::all_of(cells.begin() + 1, cells.end(), [](uint64_t count) { return count == 0; });
+}
+
 double typicalLength(const Mesh& mesh) {
   if (mesh.box.empty()) return 1;
   const auto cells =

@@ -76,7 +76,7 @@ struct MeshReport {
   uint64_t flatCells = 0;        ///< cells of lower dimension, which have no volume and are left out
   uint64_t ghostCells = 0;       ///< duplicate, refined or hidden cells, which are left out
   uint64_t repeatedCells = 0;    ///< cells with the same points as another one, which are left out
-  uint64_t degenerateCells = 0;  ///< cells with a point twice, which are left out
+  uint64_t degenerateCells = 0;  ///< cells with a point twice that are no collapsed(), which are left out
   uint64_t unusableCells = 0;    ///< cells with a point whose coordinates are not finite, which are left out
   uint64_t mergedPoints = 0;     ///< points at exactly the same place as another one, which are taken as one
   uint64_t differingPoints =
@@ -99,6 +99,9 @@ struct Mesh {
   MeshReport report;
   std::map<int, MeshBlock> blocks;  ///< by local partition
 };
+
+/// Whether all cells of the whole mesh are tetrahedra; it depends on `report` alone.
+bool hasOnlyTetrahedra(const Mesh& mesh);
 
 /// Returns the side of a cube as large as the mesh's box divided by the number of its cells, in world units: the reference length of
 /// opacities where a Vis gives none. It depends on `box` and `report` alone, so it is the same on all ranks. It is positive also if the

@@ -9,6 +9,7 @@
 
 #include "core/comm/error.h"
 #include "core/comm/parallel_for.h"
+#include "core/data/collapsed.h"
 #include "core/data/connect.h"
 #include "core/data/morton.h"
 
@@ -16,7 +17,9 @@ namespace gxy {
 
 namespace {
 
-bool isFinite(const glm::dvec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+bool isFinitePoint(const glm::dvec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
 
 void checkSizes(const MeshPiece& piece) {
   if (piece.points.size() >= kMostMeshPoints)
@@ -61,6 +64,7 @@ class BlockMaker {
 
   MeshBlock make(const Advance& advance) {
     placePoints(partOf(advance, 0, 4));
+    collapseHexahedra();
     orderCells<4>(CellType::Tetrahedron, partOf(advance, 1, 4));
     orderCells<5>(CellType::Pyramid, advance);
     orderCells<6>(CellType::Wedge, advance);
@@ -78,25 +82,73 @@ class BlockMaker {
   }
 
  private:
-  /// Which side of a face of a tetrahedron its fourth corner is on: 1, -1, or 0 if it has no volume.
-  int sideOf(FaceId face) const {
-    const auto cell = block_.cells.pointsOf(cellOf(face));
-    const glm::dvec3 fourth = block_.points[cell[size_t(faceOf(face))]];
-    std::array<glm::dvec3, 3> corners;
-    size_t n = 0;
-    for (size_t k = 0; k < 4; k++)
-      if (int(k) != faceOf(face)) corners[n++] = block_.points[cell[k]] - fourth;
-    const double volume = glm::dot(corners[0], glm::cross(corners[1], corners[2]));
-    return int(volume > 0) - int(volume < 0);
+  /// Hexahedra with repeated points become the cells that they are. These have points of the piece, of which several may be at one place.
+  void collapseHexahedra() {
+    std::vector<uint32_t>& hexahedra = piece_.cells.points[size_t(CellType::Hexahedron)];
+    size_t kept = 0;
+    for (size_t at = 0; at < hexahedra.size(); at += 8) {
+      std::array<uint32_t, 8> places;
+      for (size_t i = 0; i < 8; i++) places[i] = numberOf_[hexahedra[at + i]];
+      if (const auto cell = collapsed(places)) {
+        std::vector<uint32_t>& to = piece_.cells.points[size_t(cell->type)];
+        for (size_t i = 0; i < shapeOf(cell->type).points; i++) {
+          const auto one = std::find(places.begin(), places.end(), cell->points[i]);
+          to.push_back(hexahedra[at + size_t(one - places.begin())]);
+        }
+        continue;
+      }
+      std::copy_n(hexahedra.begin() + std::ptrdiff_t(at), 8, hexahedra.begin() + std::ptrdiff_t(kept));
+      kept += 8;
+    }
+    hexahedra.resize(kept);
+  }
+
+  /// A face as a plane: that of a triangle, or the one through the middle of a quad along both of its diagonals.
+  struct Plane {
+    glm::dvec3 point, normal;
+    int sideOf(const glm::dvec3& p) const {
+      const double distance = glm::dot(normal, p - point);
+      return int(distance > 0) - int(distance < 0);
+    }
+  };
+
+  Plane planeOf(const CellFace& face, std::span<const uint32_t> cell) const {
+    std::array<glm::dvec3, 4> p{};
+    for (size_t k = 0; k < face.corners; k++) p[k] = block_.points[cell[face.corner[k]]];
+    if (face.corners == 3) return {p[0], glm::cross(p[1] - p[0], p[2] - p[0])};
+    return {(p[0] + p[1] + p[2] + p[3]) * 0.25, glm::cross(p[2] - p[0], p[3] - p[1])};
+  }
+
+  /// The middle of a cell's points that do not belong to a face. It is on the same side of the face as the middle of the cell.
+  glm::dvec3 middleBeside(FaceId id) const {
+    const auto cell = block_.cells.pointsOf(cellOf(id));
+    const CellFace& face = shapeOf(block_.cells.typeOf(cellOf(id))).face[size_t(faceOf(id))];
+    glm::dvec3 sum(0);
+    for (size_t i = 0; i < cell.size(); i++)
+      if (std::find(face.corner.begin(), face.corner.begin() + face.corners, i) ==
+          face.corner.begin() + face.corners)
+        sum += block_.points[cell[i]];
+    return sum / double(cell.size() - face.corners);
   }
 
   void countFoldedFaces() {
-    const std::vector<FaceId>& neighbours = block_.neighbours[size_t(CellType::Tetrahedron)];
-    for (size_t i = 0; i < neighbours.size(); i++) {
-      const FaceId face = faceId(uint32_t(i / 4), int(i % 4)), other = neighbours[i];
-      if (other == kNoFace || other < face) continue;
-      const uint32_t lowest = block_.cells.pointsOf(cellOf(face))[i % 4 == 0 ? 1 : 0];
-      if (isHere_[lowest]) counts_.foldedFaces += sideOf(face) * sideOf(other) >= 0;
+    for (const CellType type : kAllCellTypes) {
+      const CellShape& shape = shapeOf(type);
+      const uint32_t first = block_.cells.first(type);
+      const std::vector<FaceId>& neighbours = block_.neighbours[size_t(type)];
+      const std::span<const uint32_t> cells = block_.cells.points[size_t(type)];
+      for (size_t i = 0; i < neighbours.size(); i++) {
+        const size_t cell = i / shape.faces, f = i % shape.faces;
+        const FaceId id = faceId(first + uint32_t(cell), int(f)), other = neighbours[i];
+        if (other == kNoFace || other < id) continue;
+        const auto points = cells.subspan(cell * shape.points, shape.points);
+        uint32_t lowest = points[shape.face[f].corner[0]];
+        for (size_t k = 1; k < shape.face[f].corners; k++)
+          lowest = std::min(lowest, points[shape.face[f].corner[k]]);
+        if (!isHere_[lowest]) continue;
+        const Plane plane = planeOf(shape.face[f], points);
+        counts_.foldedFaces += plane.sideOf(middleBeside(id)) * plane.sideOf(middleBeside(other)) >= 0;
+      }
     }
   }
 
@@ -294,7 +346,7 @@ int64_t bytesOf(const MeshPiece& piece) {
 
 void validate(const MeshPiece& piece) {
   checkSizes(piece);
-  if (!std::all_of(piece.points.begin(), piece.points.end(), isFinite))
+  if (!std::all_of(piece.points.begin(), piece.points.end(), isFinitePoint))
     throw Error("a mesh has a point whose coordinates are not finite");
   for (const CellType type : kAllCellTypes) {
     const std::vector<uint32_t>& cells = piece.cells.points[size_t(type)];

@@ -54,8 +54,9 @@ struct MeshBlockCounts {
 
 /// Makes a block of cells that all touch one partition. Points at exactly the same place become one, with the values of the one with
 /// the lowest number in the files. Points are numbered along Morton's curve through the domain of the partitioning, and then by x, y
-/// and z; cells by their points, the lowest first. So the order depends on nothing but the places of points. Cells with the same points
-/// as another one and cells with a point twice are left out, and points that no cell has. Throws Error for a piece that is not valid,
+/// and z; cells by their points, the lowest first. So the order depends on nothing but the places of points. Hexahedra with repeated points
+/// become wedges, pyramids or tetrahedra if they are such (collapsed()). Cells with the same points as another one and other cells with
+/// a point twice are left out, and points that no cell has. Throws Error for a piece that is not valid,
 /// and if there are too many points or cells. Takes time and memory that grow as the mesh does.
 MeshBlock meshBlock(
     MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts,

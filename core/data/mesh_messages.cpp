@@ -287,7 +287,8 @@ std::map<int, MeshBlock> distribute(MeshPiece read, const Partitioning& partitio
   std::vector<Bytes> received = ranks.allToAll(std::move(messages));
   std::map<int, MeshBlock> blocks;
   agree(ranks, [&] {
-    // Of a tetrahedron a message has 16 bytes, and the block in the making twice as many and 64 for its faces.
+    // Of a tetrahedron a message has 16 bytes, and the block in the making twice as many and 64 for its faces; of
+    // other cells it is less by their points.
     int64_t bytes = 0;
     for (const Bytes& message : received) bytes += int64_t(message.size());
     if (toTake) toTake(4 * bytes);

@@ -200,7 +200,7 @@ void checkHasCells(const ReadOnAll& read, const std::string& path) {
   if (read.ghostCells > 0)
     throw Error(path + ": all of its " + std::to_string(read.ghostCells) +
                 " cells with a volume are duplicate, refined or hidden ones, expected others");
-  throw Error(path + ": it has no cells with a volume, expected tetrahedra" +
+  throw Error(path + ": it has no cells with a volume, expected " + kMeshCellKinds +
               (read.kinds.empty() ? std::string()
                                   : "; it has " + describe(read.kinds) +
                                         ", which are imported as Triangles, PathLines or Particles"));

@@ -57,20 +57,20 @@ class MeshReader {
     if (content_.pointsOfFile >= kMostMeshPoints)
       throw Error(path_ + ": " + std::to_string(content_.pointsOfFile) +
                   " points; one file may have fewer than 2^31");
-    countKinds();
+    const vtkIdType cells = list_.count(), first = cells * wanted.part / wanted.of,
+                    end = cells * (wanted.part + 1) / wanted.of;
+    const int64_t corners = countKinds(first, end);
     vtkDataArray* values = content_.pointsOfFile ? valuesOf(grid_, wanted.array, path_) : nullptr;
     if (!values) return std::move(content_);
     content_.array = values->GetName();
     content_.components = values->GetNumberOfComponents();
     content_.type = scalarOfVtk(values->GetDataType()).value_or(ScalarType::Float64);
-    const vtkIdType cells = list_.count(), first = cells * wanted.part / wanted.of,
-                    end = cells * (wanted.part + 1) / wanted.of;
     if (toTake)
       toTake(
           int64_t(content_.pointsOfFile) * int64_t(sizeof(uint32_t)) +
           grid_->GetNumberOfPoints() / wanted.of *
               int64_t(sizeof(glm::dvec3) + sizeof(uint64_t) + sizeof(double) * size_t(content_.components)) +
-          (end - first) * int64_t(4 * sizeof(uint32_t)));
+          corners * int64_t(sizeof(uint32_t)));
     numberOf_.assign(size_t(content_.pointsOfFile), kNone);
     for (vtkIdType cell = first; cell < end; cell++) take(cell);
     takeValues(values);
@@ -81,17 +81,22 @@ class MeshReader {
  private:
   bool isGhost(vtkIdType cell) const { return ghosts_ && (ghosts_->GetValue(cell) & kLeftOut); }
 
-  void countKinds() {
+  /// Returns how many points the cells from `first` to `end` have that become cells of the mesh.
+  int64_t countKinds(vtkIdType first, vtkIdType end) {
     CellKinds others;
+    int64_t corners = 0;
     for (vtkIdType cell = 0; cell < list_.count(); cell++) {
       if (isGhost(cell)) continue;
       const int type = list_.type(cell);
       content_.kinds[type]++;
-      if (dimensionOf(type).value_or(3) == 3 && !meshCellOf(type)) others[type]++;
+      const auto meshType = meshCellOf(type);
+      if (meshType && cell >= first && cell < end) corners += shapeOf(*meshType).points;
+      if (dimensionOf(type).value_or(3) == 3 && !meshType) others[type]++;
     }
     if (!others.empty())
       throw Error(path_ + ": it has cells that an unstructured volume cannot have yet: " + describe(others) +
-                  "; expected tetrahedra");
+                  "; expected " + kMeshCellKinds);
+    return corners;
   }
 
   void take(vtkIdType cell) {
@@ -119,7 +124,9 @@ class MeshReader {
       content_.unusableCells++;
       return;
     }
-    for (const vtkIdType point : *ids_) content_.cells.points[size_t(*meshType)].push_back(numberOf(point));
+    for (size_t i = 0; i < shapeOf(*meshType).points; i++)
+      content_.cells.points[size_t(*meshType)].push_back(
+          numberOf(ids_->GetId(vtkIdType(placeInFile(type, i)))));
   }
 
   uint32_t numberOf(vtkIdType point) {

@@ -5,7 +5,7 @@
 // .vtk    the same in VTK's legacy form
 // .pvtu .part   lists of such files
 //
-// So far tetrahedra are read. Cells of lower dimension are left out and counted. An array vtkGhostType marks cells that are left out
+// Tetrahedra, pyramids, wedges, hexahedra and voxels are read. Cells of lower dimension are left out and counted. An array vtkGhostType marks cells that are left out
 // and counted, too, which are duplicate, refined and hidden ones, and hidden points, which have no data.
 #pragma once
 #include <cstdint>
@@ -48,7 +48,7 @@ struct MeshContent {
 };
 
 /// Reads one file that is not a list. `toTake`, if not empty, is called with the bytes of the file's arrays, then with those of the
-/// result. Throws Error for a file that is missing or malformed, has cells that meshes do not have yet, or has no such array of points.
+/// result. Throws Error for a file that is missing or malformed, has other cells with a volume, or has no such array of points.
 MeshContent readMesh(const std::string& path, const MeshWanted& wanted, const TakeMemory& toTake = {});
 
 }  // namespace gxy

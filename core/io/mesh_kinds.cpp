@@ -85,9 +85,22 @@ const std::map<int, Kind>& kinds() {
 }  // namespace
 
 std::optional<CellType> meshCellOf(int vtkType) {
-  if (vtkType == VTK_TETRA) return CellType::Tetrahedron;
-  return {};
+  switch (vtkType) {
+    case VTK_TETRA:
+      return CellType::Tetrahedron;
+    case VTK_PYRAMID:
+      return CellType::Pyramid;
+    case VTK_WEDGE:
+      return CellType::Wedge;
+    case VTK_HEXAHEDRON:
+    case VTK_VOXEL:
+      return CellType::Hexahedron;
+    default:
+      return {};
+  }
 }
+
+size_t placeInFile(int vtkType, size_t i) { return vtkType == VTK_VOXEL && (i & 2) ? i ^ 1 : i; }
 
 std::optional<int> dimensionOf(int vtkType) {
   const auto kind = kinds().find(vtkType);

@@ -13,8 +13,14 @@ namespace gxy {
 /// How many cells there are of each kind.
 using CellKinds = std::map<int, uint64_t>;
 
-/// Which cell of a mesh one of a kind becomes, with its points in the same order; nothing if it becomes none.
+/// The kinds that meshes take, for messages.
+inline constexpr const char* kMeshCellKinds = "tetrahedra, pyramids, wedges, hexahedra or voxels";
+
+/// Which cell of a mesh one of a kind becomes; nothing if it becomes none.
 std::optional<CellType> meshCellOf(int vtkType);
+
+/// The place among the points of a cell in a file that point `i` of the cell of a mesh has there: voxels run through x, y and z.
+size_t placeInFile(int vtkType, size_t i);
 
 /// The dimension of cells of a kind, from 0 to 3; nothing for kinds that VTK does not know.
 std::optional<int> dimensionOf(int vtkType);

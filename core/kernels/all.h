@@ -9,6 +9,7 @@
 #include "core/kernels/tube.h"
 #include "core/kernels/triangle.h"
 #include "core/kernels/face.h"
+#include "core/kernels/hexahedron.h"
 #include "core/kernels/offset.h"
 #include "core/kernels/light.h"
 // clang-format on

@@ -9,6 +9,8 @@
 // face to face is a path in a graph in which every node has two neighbours: it meets no face twice, and ends. This needs no exact
 // arithmetic and no cells that are well formed. It only needs edgeCrossing(p, q) = -edgeCrossing(q, p).
 
+FN vec3 placeOf(vec4 vertex) { return make_v3(vertex.x, vertex.y, vertex.z); }
+
 // p.x q.y - p.y q.x: which side of the edge from p to q the ray passes. Rounding may make the sign wrong, but for both cells alike.
 FN real sideOf(vec3 p, vec3 q) { return p.x * q.y - p.y * q.x; }
 

@@ -39,8 +39,6 @@ FN vec3 inFrame(FrameRay r, vec3 p) {
                  z);
 }
 
-FN vec3 placeOf(vec4 vertex) { return make_v3(vertex.x, vertex.y, vertex.z); }
-
 // The number of corner k of the three of a face (cell << 3 | corner).
 FN uint cornerOfFace(OPERATOR op, uint face, int k) {
   int opposite = asInt(face & 7u);

@@ -6,11 +6,13 @@
 #include "core/kernels/cuts.h"
 #include "core/kernels/multi_volume.h"
 #include "core/kernels/mesh.h"
+#include "core/kernels/hex_walk.h"
 #include "core/kernels/camera.h"
 #include "core/kernels/lattice.h"
 #include "core/kernels/primitives.h"
 #include "core/kernels/surface.h"
 #include "core/kernels/cell_surface.h"
+#include "core/kernels/hex_surface.h"
 #include "core/kernels/light_terms.h"
 #include "core/kernels/act_sample.h"
 // clang-format on

@@ -55,6 +55,9 @@ FN vec4 vertexOf(OPERATOR op, uint i) {
 }
 FN uint cellCorner(OPERATOR op, uint i) { return MESH_AT(op, indices, i); }
 FN uint cellNeighbour(OPERATOR op, uint i) { return MESH_AT(op, neighbours, i); }
+FN uint hexPoint(OPERATOR op, uint i) { return MESH_AT(op, indices, i); }
+FN uint hexNeighbour(OPERATOR op, uint i) { return MESH_AT(op, neighbours, i); }
+FN uint hexOrders(OPERATOR op, uint i) { return MESH_AT(op, orders, i); }
 FN uint shellFace(OPERATOR op, uint i) { return MESH_AT(op, shell, i); }
 FN vec4 levelCorner(OPERATOR op, uint p, int k) {
   return make_v4(op.levelCorners[16 * PLACE(p) + 4 * k], op.levelCorners[16 * PLACE(p) + 4 * k + 1],
@@ -64,6 +67,12 @@ FN vec4 levelValues(OPERATOR op, uint p) {
   return make_v4(op.levelValues[4 * PLACE(p)], op.levelValues[4 * PLACE(p) + 1],
                  op.levelValues[4 * PLACE(p) + 2], op.levelValues[4 * PLACE(p) + 3]);
 }
+FN vec4 hexLevel(OPERATOR op, uint p, int k) {
+  return make_v4(op.levelCorners[32 * PLACE(p) + 4 * k], op.levelCorners[32 * PLACE(p) + 4 * k + 1],
+                 op.levelCorners[32 * PLACE(p) + 4 * k + 2], op.levelCorners[32 * PLACE(p) + 4 * k + 3]);
+}
+FN real hexValue(OPERATOR op, uint p, int k) { return op.levelValues[8 * PLACE(p) + k]; }
+FN uint levelOrders(OPERATOR op, uint p) { return op.levelOrders[p]; }
 FN uint surfaceOf(OPERATOR op, uint p) { return op.surfaces[p]; }
 #undef MESH_AT
 FN vec3 sliceNormal(OPERATOR op, uint i) {

@@ -8,6 +8,9 @@
 #define KIND_TRIANGLES 3
 #define KIND_MESH 4   // an unstructured volume; its primitives are the cells of its isosurfaces and slices
 #define KIND_SHELL 5  // the faces of its shell, in hierarchies
+// The same where not all of its cells are tetrahedra: then all are hexahedra to the kernels (hexahedron.h).
+#define KIND_HEX_MESH 6
+#define KIND_HEX_SHELL 7
 
 // The most volumes that one march integrates together (multi_volume.h).
 #define MANY_VOLUMES 8
@@ -29,15 +32,18 @@ struct OperatorView {
   PTR(real) normals;  // x y z per point, or null
   PTR(real) values;   // per point, or null
   PTR(real) colors;   // r g b per point, or null
-  PTR(uint) indices;  // 2 or 3 per primitive; of a mesh: 4 per tetrahedron, which ascend
-  // Of segments: the points before and after; the segment's own end if there is none. Of a mesh: 4 per tetrahedron (mesh.h).
+  PTR(uint) indices;  // 2 or 3 per primitive; of a mesh: 4 per tetrahedron, which ascend, or 8 per hexahedron
+  // Of segments: the points before and after; the segment's own end if there is none. Of a mesh: 4 per tetrahedron (mesh.h) or 6 per
+  // hexahedron (hex_walk.h).
   PTR(uint) neighbours;
-  PTR(uint) shell;  // of a mesh: one per primitive (mesh.h)
-  // Of a mesh: per cell that an isosurface or a slice passes, in which it is the one of cell_surface.h, 4 corners of x y z level, the 4
-  // values there, and the number of the surface.
+  PTR(uint) orders;  // of a mesh of hexahedra: one per cell (hexahedron.h)
+  PTR(uint) shell;   // of a mesh: one per primitive (mesh.h)
+  // Of a mesh: per cell that an isosurface or a slice passes, in which it is the one of cell_surface.h or hex_surface.h, 4 or 8 corners of
+  // x y z level, the values there, the orders of the sides of a hexahedron, and the number of the surface.
   uint surfaceCells;
   PTR(real) levelCorners;
   PTR(real) levelValues;
+  PTR(uint) levelOrders;
   PTR(uint) surfaces;
   RAW shellHierarchy;  // over the shell of a mesh, in the backend's own form
 };

@@ -11,6 +11,7 @@
 
 #include "core/comm/error.h"
 #include "core/comm/parallel_for.h"
+#include "core/rays/kernel_cells.h"
 #include "core/scene/colormaps.h"
 
 namespace gxy {
@@ -71,8 +72,8 @@ glm::vec3 placeIn(const RenderSpace& space, const glm::dvec3& point) {
   return {float(p.x), float(p.y), float(p.z)};
 }
 
-GeometryInPartition cellsOf(const MeshBlock& block, std::span<const float> shown, const RenderSpace& space,
-                            const Advance& advance) {
+GeometryInPartition cellsOf(const MeshBlock& block, const KernelCells& kernel, std::span<const float> shown,
+                            const RenderSpace& space, const Advance& advance) {
   GeometryInPartition cells;
   cells.points.resize(block.points.size() * 4);
   parallelFor(
@@ -83,53 +84,48 @@ GeometryInPartition cellsOf(const MeshBlock& block, std::span<const float> shown
         cells.points[4 * i + 3] = shown[i];
       },
       advance);
-  cells.indices = block.cells.points[size_t(CellType::Tetrahedron)];
-  cells.neighbours = block.neighbours[size_t(CellType::Tetrahedron)];
-  cells.shell = block.shell;
-  cells.primitives = uint32_t(block.shell.size());
+  cells.indices.assign(kernel.points.begin(), kernel.points.end());
+  cells.neighbours.assign(kernel.neighbours.begin(), kernel.neighbours.end());
+  cells.orders = kernel.orders;
+  cells.shell = kernel.shell;
+  cells.primitives = uint32_t(cells.shell.size());
   return cells;
-}
-
-// Whether a cell ends at a slice, below which it lies: the level is 0 on a face without a neighbour and below 0 at the fourth corner.
-bool endsAtSlice(const MeshBlock& block, size_t cell, std::span<const float> level) {
-  const size_t tetrahedra = size_t(CellType::Tetrahedron);
-  const uint32_t* corners = &block.cells.points[tetrahedra][cell];
-  for (size_t i = 0; i < 4; i++) {
-    if (!(level[corners[i]] < 0) || block.neighbours[tetrahedra][cell + i] != kNoFace) continue;
-    size_t on = 0;
-    for (size_t k = 0; k < 4; k++) on += level[corners[k]] == 0;
-    if (on == 3) return true;
-  }
-  return false;
 }
 
 // Appends the cells that a surface passes, given the level at each point. It passes a cell if the level is above 0 at some of its
 // corners and not at others. A slice in a face of a cell is thus in the cell above it; where there is none, the cell below it has the
 // slice, with levels turned over.
-void addSurface(const MeshBlock& block, std::span<const float> shown, std::span<const float> level,
-                uint32_t surface, std::optional<float> isovalue, const RenderSpace& space,
-                GeometryInPartition& cells) {
-  const std::vector<uint32_t>& corners = block.cells.points[size_t(CellType::Tetrahedron)];
-  for (size_t cell = 0; cell < corners.size(); cell += 4) {
-    const std::span<const uint32_t> at(&corners[cell], 4);
+void addSurface(const MeshBlock& block, const KernelCells& kernel, std::span<const float> shown,
+                std::span<const float> level, uint32_t surface, std::optional<float> isovalue,
+                const RenderSpace& space, GeometryInPartition& cells) {
+  for (size_t cell = 0; cell < kernel.size(); cell++) {
+    const std::span<const uint32_t> at = kernel.pointsOf(cell);
     const auto above = std::count_if(at.begin(), at.end(), [&](uint32_t p) { return level[p] > 0; });
-    const bool noData =
-        std::any_of(at.begin(), at.end(), [&](uint32_t p) { return !std::isfinite(shown[p]); });
-    const bool ends = above == 0 && !isovalue && endsAtSlice(block, cell, level);
-    if ((above == 0 && !ends) || above == 4 || noData) continue;
+    if (above == std::ptrdiff_t(at.size()) ||
+        std::any_of(at.begin(), at.end(), [&](uint32_t p) { return !std::isfinite(shown[p]); }))
+      continue;
+    bool ends = false;
+    if (above == 0) {
+      if (isovalue) continue;
+      uint32_t on = 0;
+      for (size_t k = 0; k < at.size(); k++) on |= uint32_t(level[at[k]] == 0) << k;
+      ends = on != 0 && kernel.isOuterSide(cell, on);
+      if (!ends) continue;
+    }
     for (const uint32_t p : at) {
       const glm::vec3 place = placeIn(space, block.points[p]);
       cells.points.insert(cells.points.end(), {place.x, place.y, place.z, ends ? -level[p] : level[p]});
       cells.values.push_back(isovalue.value_or(shown[p]));
     }
+    if (!kernel.orders.empty()) cells.orders.push_back(kernel.orders[cell]);
     cells.indices.push_back(surface);
   }
 }
 
 // Returns the cells that the operator's surfaces pass; null if there are none.
 std::shared_ptr<const GeometryInPartition> surfacesOf(const CompiledOperator& op, const MeshBlock& block,
-                                                      std::span<const float> shown, const RenderSpace& space,
-                                                      const Advance& advance) {
+                                                      const KernelCells& kernel, std::span<const float> shown,
+                                                      const RenderSpace& space, const Advance& advance) {
   GeometryInPartition cells;
   std::vector<float> level(shown.size());
   const size_t count = op.slices.size() + op.isovalues.size();
@@ -146,12 +142,15 @@ std::shared_ptr<const GeometryInPartition> surfacesOf(const CompiledOperator& op
       isovalue = op.isovalues[surface - op.slices.size()];
       for (size_t p = 0; p < level.size(); p++) level[p] = shown[p] - *isovalue;
     }
-    addSurface(block, shown, level, uint32_t(surface), isovalue, space, cells);
+    addSurface(block, kernel, shown, level, uint32_t(surface), isovalue, space, cells);
   }
   if (cells.indices.empty()) return nullptr;
-  if (cells.indices.size() >= UINT32_MAX / 16)
+  const size_t most =
+      kernel.corners == 4 ? size_t(1) << 28 : size_t(1) << 27;  // arrays have at most 2^32 numbers
+  if (cells.indices.size() >= most)
     throw Error("dataset \"" + op.vis.dataset + "\": surfaces pass " + std::to_string(cells.indices.size()) +
-                " cells of one partition, expected fewer than 2^28; cut the data into more partitions");
+                " cells of one partition, expected fewer than " + std::to_string(most) +
+                "; cut the data into more partitions");
   cells.primitives = uint32_t(cells.indices.size());
   return std::make_shared<const GeometryInPartition>(std::move(cells));
 }
@@ -186,17 +185,23 @@ void planMesh(CompiledOperator& op, CompiledScene& scene, OtherScenes others, co
     const Advance part = partOf(advance, done++, blocks.size());
     const std::vector<float> shown = shownValues(op, block);
     OperatorInPartition planned;
+    std::optional<KernelCells> kernel;
+    const auto kernelCellsOnce = [&]() -> const KernelCells& {
+      if (!kernel) kernel = kernelCells(block, hasOnlyTetrahedra(*op.data.mesh));
+      return *kernel;
+    };
     if (op.vis.volumeRendering && !block.shell.empty() && shows(op.map, rangeOf(shown))) {
       planned.geometry =
           partAmong(others, op, scene.space, partition, &OperatorInPartition::geometry, showsSameValues);
       if (!planned.geometry)
         planned.geometry = std::make_shared<const GeometryInPartition>(
-            cellsOf(block, shown, scene.space, partOf(part, 0, 2)));
+            cellsOf(block, kernelCellsOnce(), shown, scene.space, partOf(part, 0, 2)));
     }
     if (!op.isovalues.empty() || !op.slices.empty()) {
       planned.surfaces =
           partAmong(others, op, scene.space, partition, &OperatorInPartition::surfaces, showsSameSurfaces);
-      if (!planned.surfaces) planned.surfaces = surfacesOf(op, block, shown, scene.space, partOf(part, 1, 2));
+      if (!planned.surfaces)
+        planned.surfaces = surfacesOf(op, block, kernelCellsOnce(), shown, scene.space, partOf(part, 1, 2));
     }
     if (!planned.geometry && !planned.surfaces) continue;
     op.parts[partition] = std::move(planned);

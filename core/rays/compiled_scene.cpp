@@ -283,7 +283,7 @@ double largestRadius(const Vis& vis, const Range& range) {
 
 size_t GeometryInPartition::bytes() const {
   return 4 * (points.size() + normals.size() + values.size() + colors.size() + indices.size() +
-              neighbours.size() + shell.size());
+              neighbours.size() + orders.size() + shell.size());
 }
 
 size_t CompiledScene::bytes() const {

@@ -54,11 +54,13 @@ struct GeometryInPartition {
   std::vector<float> values;   ///< per point, or empty
   std::vector<float> colors;   ///< r g b per point, or empty
   std::vector<uint32_t>
-      indices;  ///< 2 (segments) or 3 (triangles) per primitive; empty for particles; of a mesh: 4 per tetrahedron
-  /// For segments: the points before and after; the segment's own end if there is none. Of a mesh: MeshBlock::neighbours.
+      indices;  ///< 2 (segments) or 3 (triangles) per primitive; empty for particles; of a mesh: 4 or 8 per cell
+  /// For segments: the points before and after; the segment's own end if there is none. Of a mesh: MeshBlock::neighbours, with the sides
+  /// of hexahedra (kernels/hexahedron.h) where not all cells are tetrahedra.
   std::vector<uint32_t> neighbours;
-  std::vector<uint32_t> shell;  ///< of a mesh: MeshBlock::shell
-  uint32_t primitives = 0;      ///< 1 or more
+  std::vector<uint32_t> orders;  ///< of hexahedra: one per cell (kernels/hexahedron.h)
+  std::vector<uint32_t> shell;   ///< of a mesh: MeshBlock::shell, likewise
+  uint32_t primitives = 0;       ///< 1 or more
 
   size_t bytes() const;
 };
@@ -71,8 +73,8 @@ struct OperatorInPartition {
   std::shared_ptr<const GeometryInPartition>
       geometry;  ///< or cells to be volume rendered; null if there is none
   /// Of a mesh: the cells that isosurfaces and slices pass, those of each surface together, slices first; null if there are none. Per
-  /// primitive `points` has 4 corners, x y z in render space and the level (kernels/cell_surface.h), `values` the 4 stored values there,
-  /// and `indices` the number of the surface.
+  /// primitive `points` has 4 corners, or 8 where not all cells are tetrahedra, x y z in render space and the level
+  /// (kernels/cell_surface.h, hex_surface.h), `values` the stored values there, and `indices` the number of the surface.
   std::shared_ptr<const GeometryInPartition> surfaces;
 };
 

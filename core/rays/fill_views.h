@@ -39,7 +39,8 @@ inline int viewKindOf(const CompiledOperator& op) {
     case VisType::Triangles:
       return KIND_TRIANGLES;
     default:
-      return op.data.mesh ? KIND_MESH : KIND_VOLUME;
+      if (!op.data.mesh) return KIND_VOLUME;
+      return hasOnlyTetrahedra(*op.data.mesh) ? KIND_MESH : KIND_HEX_MESH;
   }
 }
 
@@ -107,6 +108,7 @@ void fillPrimitives(View& v, const GeometryInPartition& part, Put& put) {
   v.colors = put(part.colors);
   v.indices = put(part.indices);
   v.neighbours = put(part.neighbours);
+  v.orders = put(part.orders);
   v.shell = put(part.shell);
 }
 
@@ -116,6 +118,7 @@ void fillSurfaces(View& v, const GeometryInPartition& cells, Put& put) {
   v.surfaceCells = cells.primitives;
   v.levelCorners = put(cells.points);
   v.levelValues = put(cells.values);
+  v.levelOrders = put(cells.orders);
   v.surfaces = put(cells.indices);
 }
 

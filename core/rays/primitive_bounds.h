@@ -45,16 +45,25 @@ inline PrimitiveBounds primitiveBounds(int corners, const float* points, const u
 
 /// The bounds of primitive `i` of a part of this kind (KIND_*).
 inline PrimitiveBounds primitiveBounds(int kind, const GeometryInPartition& part, size_t i) {
-  if (kind != KIND_MESH && kind != KIND_SHELL)
+  if (kind < KIND_MESH)
     return primitiveBounds(cornersOfKind(kind), part.points.data(), part.indices.data(), i);
-  float points[16] = {};  // without radii
-  constexpr uint32_t kAll[] = {0, 1, 2, 3};
+  float points[32] = {};  // without radii
+  constexpr uint32_t kAll[] = {0, 1, 2, 3, 4, 5, 6, 7};
   int n = 0;
-  if (kind == KIND_MESH) {
-    for (; n < 4; n++) std::copy_n(&part.points[16 * i + 4 * size_t(n)], 3, points + 4 * n);
-    return primitiveBounds(4, points, kAll, 0);
+  if (kind == KIND_MESH || kind == KIND_HEX_MESH) {
+    const int corners = kind == KIND_MESH ? 4 : 8;
+    for (; n < corners; n++)
+      std::copy_n(&part.points[4 * (size_t(corners) * i + size_t(n))], 3, points + 4 * n);
+    return primitiveBounds(corners, points, kAll, 0);
   }
   const FaceId face = part.shell[i];
+  if (kind == KIND_HEX_SHELL) {
+    const uint32_t corners = single::sideCorners(uint32_t(faceOf(face)));
+    for (; n < 4; n++)
+      std::copy_n(&part.points[4 * size_t(part.indices[8 * size_t(cellOf(face)) + (corners >> 4 * n & 7)])],
+                  3, points + 4 * n);
+    return primitiveBounds(4, points, kAll, 0);
+  }
   for (int k = 0; k < 4; k++) {
     if (k == faceOf(face)) continue;
     std::copy_n(&part.points[4 * size_t(part.indices[4 * size_t(cellOf(face)) + size_t(k)])], 3,

@@ -12,6 +12,7 @@
 #include "core/rays/view_pointers.h"
 #include "tests/agreement/scene_single.h"
 #include "tests/agreement/scenes.h"
+#include "tests/support/cell_meshes.h"
 #include "tests/support/meshes.h"
 
 extern "C" {
@@ -40,14 +41,15 @@ CompiledScene sceneOfAllKinds() {
   }
   CompiledScene scene = *test.compile();
   // A mesh is the only volume that its scene renders, so it comes from another one.
-  TestScene other = sceneFrom("mesh", {3, 2, 1}, 40, 40);
   const auto bent = [](glm::dvec3 p) { return 0.05 * glm::sin(glm::dvec3(9.0 * p.y, 8.0 * p.z, 7.0 * p.x)); };
-  other.add(rendered({{-1, 0}, {0.2, 0.4}, {1, 0.8}}, -1, 1),
-            test::meshInOnePiece(test::cubeOfTets(3, bent, waves)));
-  Vis& cut = other.visualization.operators.back();
-  cut.isovalues = {-0.2, 0.3};
-  cut.slices = {{{1, 0.3, -0.2}, 0.1}};
-  scene.operators.push_back(other.compile()->operators.at(0));
+  for (const MeshPiece& piece : {test::cubeOfTets(3, bent, waves), test::cubeOfAllCells(3, bent, waves)}) {
+    TestScene other = sceneFrom("mesh", {3, 2, 1}, 40, 40);
+    other.add(rendered({{-1, 0}, {0.2, 0.4}, {1, 0.8}}, -1, 1), test::meshInOnePiece(piece));
+    Vis& cut = other.visualization.operators.back();
+    cut.isovalues = {-0.2, 0.3};
+    cut.slices = {{{1, 0.3, -0.2}, 0.1}};
+    scene.operators.push_back(other.compile()->operators.at(0));
+  }
   std::array<std::vector<double>, 3> faces;
   for (int a = 0; a < 3; a++) {
     const auto outer = scene.partitioning->faces(a);

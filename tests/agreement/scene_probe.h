@@ -135,6 +135,19 @@ FN bool surfaceAt(OPERATOR op, VOLUME v, uint k, vec3 o, vec3 way, uint i, OUT(v
       hit = hitCell(frameRay(o, d), a, b, c, e, R(0.0), t);
       if (hit) f = cellSurface(op, p, o, d, t);
     }
+  } else if (op.kind == KIND_HEX_MESH) {
+    if (op.surfaceCells > 0u) {
+      uint p = hash2(i, 25u) % op.surfaceCells;
+      Hexahedron h;
+      h.c0 = hexLevel(op, p, 0), h.c1 = hexLevel(op, p, 1), h.c2 = hexLevel(op, p, 2),
+      h.c3 = hexLevel(op, p, 3);
+      h.c4 = hexLevel(op, p, 4), h.c5 = hexLevel(op, p, 5), h.c6 = hexLevel(op, p, 6),
+      h.c7 = hexLevel(op, p, 7);
+      vec4 middle = trilinearIn(h, make_v3(R(0.5), R(0.4), R(0.6)));
+      d = unit3(make_v3(middle.x - o.x, middle.y - o.y, middle.z - o.z));
+      hit = hitHexahedron(frameRay(o, d), h, levelOrders(op, p), R(0.0), t);
+      if (hit) f = hexSurface(op, p, o, d, t);
+    }
   } else if (v.isovalues > 0) {
     IsoStart start;
     start.index = -1;
@@ -208,8 +221,10 @@ FN real probeSample(OPERATOR op, VOLUME v, int p, vec3 o, vec3 d, uint i) {
 
 // The walks of a ray through a mesh; the faces of its shell are tried one after the other.
 FN real probeMesh(SCENE s, OPERATOR op, int p, vec3 o, vec3 way, uint i) {
-  if (op.kind != KIND_MESH) return R(-1.0);
-  vec3 to = placeOf(vertexOf(op, cornerOfFace(op, shellFace(op, hash2(i, 30u) % op.primitives), 1)));
+  if (op.kind != KIND_MESH && op.kind != KIND_HEX_MESH) return R(-1.0);
+  bool hexes = op.kind == KIND_HEX_MESH;
+  uint some = shellFace(op, hash2(i, 30u) % op.primitives), point = hash2(i, 35u) & 3u;
+  vec3 to = placeOf(vertexOf(op, hexes ? hexPoint(op, (some >> 3) * 8u + point) : cornerOfFace(op, some, 1)));
   vec3 d = (i & 1u) == 0u ? unit3(make_v3(to.x - o.x, to.y - o.y, to.z - o.z)) : way;
   MarchRange m;
   m.tIn = drawIn(i, 31u, R(-0.2), R(0.3));
@@ -231,9 +246,21 @@ FN real probeMesh(SCENE s, OPERATOR op, int p, vec3 o, vec3 way, uint i) {
     uint next = NO_FACE;
     for (uint k = 0u; k < op.primitives; k++) {
       uint face = shellFace(op, k);
-      if (passesFace(f, placeOf(vertexOf(op, cornerOfFace(op, face, 0))),
-                     placeOf(vertexOf(op, cornerOfFace(op, face, 1))),
-                     placeOf(vertexOf(op, cornerOfFace(op, face, 2))), t)) {
+      bool passes;
+      if (hexes) {
+        uint orders = hexOrders(op, face >> 3);
+        uint corners = orderedCorners(face & 7u, orders), at = (face >> 3) * 8u;
+        passes = passesSide(f, placeOf(vertexOf(op, hexPoint(op, at + (corners & 7u)))),
+                            placeOf(vertexOf(op, hexPoint(op, at + ((corners >> 4) & 7u)))),
+                            placeOf(vertexOf(op, hexPoint(op, at + ((corners >> 8) & 7u)))),
+                            placeOf(vertexOf(op, hexPoint(op, at + (corners >> 12)))),
+                            isTriangle(face & 7u, orders), t);
+      } else {
+        passes = passesFace(f, placeOf(vertexOf(op, cornerOfFace(op, face, 0))),
+                            placeOf(vertexOf(op, cornerOfFace(op, face, 1))),
+                            placeOf(vertexOf(op, cornerOfFace(op, face, 2))), t);
+      }
+      if (passes) {
         if (t < nearest && beginsBehind(last, t, k, face)) {
           nearest = t;
           next = k;
@@ -244,7 +271,10 @@ FN real probeMesh(SCENE s, OPERATOR op, int p, vec3 o, vec3 way, uint i) {
     if (goes) {
       last.t = nearest;
       last.number = next;
-      last.ended = walkMesh(op, f, m, shellFace(op, next), w, L, samples, cells);
+      if (hexes)
+        last.ended = walkHexahedra(op, f, m, shellFace(op, next), w, L, samples, cells);
+      else
+        last.ended = walkMesh(op, f, m, shellFace(op, next), w, L, samples, cells);
       goes = w.goes;
     }
   }

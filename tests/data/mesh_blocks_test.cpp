@@ -6,24 +6,26 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <random>
 #include <set>
 
 #include "core/comm/error.h"
 #include "core/data/connect.h"
 #include "core/data/replicate.h"
+#include "tests/data/mesh_pieces.h"
 #include "tests/data/random_partitioning.h"
 #include "tests/support/meshes.h"
-#include "tests/support/thread_ranks.h"
 
 namespace gxy {
 namespace {
 
+using test::areEqual;
+using test::dealtOut;
+using test::placeOf;
+using test::shuffled;
+
 constexpr size_t kTets = size_t(CellType::Tetrahedron);
 using Tet = std::array<std::array<double, 3>, 4>;  // its corners, ascending
-
-std::array<double, 3> placeOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
 template <class Points>
 std::vector<Tet> tetsOf(const Points& points, const MeshCells& cells) {
@@ -46,76 +48,6 @@ MeshPiece warpedCube(uint32_t n) {
   return test::cubeOfTets(
       n, [](const glm::dvec3& p) { return 0.03 * glm::dvec3(std::sin(9 * p.y), std::sin(7 * p.z), p.x); },
       [](const glm::dvec3& p) { return p.x + 2 * p.y + 4 * p.z; });
-}
-
-/// Cells `first` to `last` of a mesh, with their points in any order.
-MeshPiece someOf(const MeshPiece& all, size_t first, size_t last, std::mt19937& random) {
-  MeshPiece some;
-  some.components = all.components;
-  const std::vector<uint32_t>& ids = all.cells.points[kTets];
-  std::vector<uint32_t> points(ids.begin() + std::ptrdiff_t(4 * first),
-                               ids.begin() + std::ptrdiff_t(4 * last));
-  std::vector<uint32_t> corners = points;
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  std::shuffle(points.begin(), points.end(), random);
-  for (const uint32_t p : points) {
-    some.points.push_back(all.points[p]);
-    some.numbers.push_back(all.numbers[p]);
-    for (int c = 0; c < all.components; c++)
-      some.values.push_back(all.values[p * size_t(all.components) + size_t(c)]);
-  }
-  for (uint32_t& corner : corners)
-    corner = uint32_t(std::find(points.begin(), points.end(), corner) - points.begin());
-  some.cells.points[kTets] = corners;
-  return some;
-}
-
-/// The same cells in another order, and the points of each, too.
-MeshPiece shuffled(const MeshPiece& all, std::mt19937& random) {
-  std::vector<std::array<uint32_t, 4>> cells;
-  const std::vector<uint32_t>& ids = all.cells.points[kTets];
-  for (size_t at = 0; at < ids.size(); at += 4) {
-    cells.push_back({ids[at], ids[at + 1], ids[at + 2], ids[at + 3]});
-    std::shuffle(cells.back().begin(), cells.back().end(), random);
-  }
-  std::shuffle(cells.begin(), cells.end(), random);
-  MeshPiece mesh = all;
-  mesh.cells.points[kTets].clear();
-  for (const auto& cell : cells)
-    mesh.cells.points[kTets].insert(mesh.cells.points[kTets].end(), cell.begin(), cell.end());
-  return mesh;
-}
-
-bool areEqual(const MeshBlock& a, const MeshBlock& b) {
-  return a.points == b.points && a.values == b.values && a.cells.points == b.cells.points &&
-         a.neighbours == b.neighbours && a.shell == b.shell;
-}
-
-/// The blocks of all ranks, of `mesh` dealt out in `parts` pieces of cells.
-std::map<int, MeshBlock> dealtOut(const MeshPiece& mesh, const Partitioning& partitioning, int ranks,
-                                  std::mt19937& random, MeshBlockCounts& counts) {
-  std::map<int, MeshBlock> blocks;
-  std::mutex mutex;
-  const size_t cells = mesh.cells.size(CellType::Tetrahedron);
-  std::vector<size_t> cuts{0, cells};
-  for (int r = 1; r < ranks; r++) cuts.push_back(random() % (cells + 1));
-  std::sort(cuts.begin(), cuts.end());
-  std::vector<MeshPiece> pieces;
-  for (size_t r = 0; r + 1 < cuts.size(); r++) pieces.push_back(someOf(mesh, cuts[r], cuts[r + 1], random));
-  std::shuffle(pieces.begin(), pieces.end(), random);
-  const auto errors = test::ThreadRanks(ranks).run([&](Collectives& mine) {
-    MeshBlockCounts found;
-    auto own = distribute(pieces[size_t(mine.rank())], partitioning, found, mine);
-    const std::lock_guard lock(mutex);
-    for (auto& [partition, block] : own) {
-      EXPECT_EQ(partitioning.owner(partition), mine.rank());
-      EXPECT_TRUE(blocks.emplace(partition, std::move(block)).second);
-    }
-    counts = found;
-  });
-  EXPECT_EQ(errors, std::vector<std::string>(size_t(ranks)));
-  return blocks;
 }
 
 const Box kDomain{{0, 0, 0}, {1, 1, 1}};

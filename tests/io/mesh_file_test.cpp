@@ -7,23 +7,24 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <map>
-#include <mutex>
 
 #include "core/comm/error.h"
 #include "core/io/file.h"
 #include "core/io/import_mesh.h"
 #include "core/io/write_geometry.h"
-#include "tests/io/fixtures.h"
-#include "tests/support/mesh_files.h"
+#include "tests/io/imported_mesh.h"
 #include "tests/support/meshes.h"
 
 namespace gxy {
 namespace {
 
+using test::errorOf;
+using test::expectSameBlocks;
+using test::expectText;
 using test::GridFile;
+using test::import;
+using test::Imported;
 using testing::TemporaryFolder;
-using testing::ThreadRanks;
 
 constexpr size_t kTets = size_t(CellType::Tetrahedron);
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -35,7 +36,7 @@ MeshPiece cube(uint32_t n = 3) {
 }
 
 GridFile wholeGrid(const MeshPiece& mesh = cube()) {
-  return test::gridOfTets(mesh, 0, mesh.cells.size(CellType::Tetrahedron));
+  return test::gridOf(mesh, 0, mesh.cells.size(CellType::Tetrahedron));
 }
 
 /// One tetrahedron with one array.
@@ -45,58 +46,6 @@ GridFile oneTet() {
   grid.cells = {{10, {0, 1, 2, 3}}};
   grid.pointArrays = {{"value", "Float32", 1, {1, 2, 3, 4}}};
   return grid;
-}
-
-struct Imported {
-  std::map<int, MeshBlock> blocks;  // of all ranks
-  Mesh mesh;                        // of rank 0, without blocks
-  std::vector<std::string> warnings, errors;
-};
-
-Imported import(const std::string& path, const std::string& array = {}, int ranks = 1,
-                std::array<int, 3> parts = {2, 1, 2}) {
-  Imported imported;
-  std::mutex mutex;
-  imported.errors = ThreadRanks(ranks).run([&](Collectives& mine) {
-    std::vector<std::string> warnings;
-    LoadedMesh loaded = loadMesh(path, array, mine, {}, &warnings);
-    std::array<std::vector<double>, 3> faces;
-    for (int a = 0; a < 3; a++) {
-      const double lo = loaded.box.lo[a], hi = loaded.box.hi[a];
-      faces[size_t(a)] = evenFaces(lo, hi > lo ? hi : lo + 1, parts[size_t(a)], 0);
-    }
-    const auto mesh = meshOf(std::move(loaded), Partitioning::lattice(faces, ranks), mine, {}, &warnings);
-    const std::lock_guard lock(mutex);
-    imported.blocks.insert(mesh->blocks.begin(), mesh->blocks.end());
-    if (mine.rank() != 0) return;
-    imported.mesh = *mesh;
-    imported.mesh.blocks.clear();
-    imported.warnings = warnings;
-  });
-  return imported;
-}
-
-std::string errorOf(const GridFile& grid, const std::string& array = {}, int ranks = 1) {
-  const TemporaryFolder folder;
-  writeText(folder / "grid.vtu", grid.vtu());
-  const std::vector<std::string> errors = import(folder / "grid.vtu", array, ranks).errors;
-  for (const std::string& error : errors) EXPECT_EQ(error, errors[0]);
-  return errors[0];
-}
-
-void expectText(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << text;
-}
-
-void expectSameBlocks(const std::map<int, MeshBlock>& a, const std::map<int, MeshBlock>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (const auto& [partition, block] : a) {
-    const MeshBlock& other = b.at(partition);
-    EXPECT_TRUE(block.points == other.points && block.cells.points == other.cells.points &&
-                block.values == other.values && block.neighbours == other.neighbours &&
-                block.shell == other.shell)
-        << partition;
-  }
 }
 
 TEST(MeshFile, TetrahedraAndTheirValuesAreReadAsTheyAre) {
@@ -132,10 +81,10 @@ TEST(MeshFile, PiecesOnAnyRanksGiveTheSameAsOneFile) {
   for (size_t i = 0; i < 5; i++) {
     names.push_back("piece" + std::to_string(i) + ".vtu");
     writeText(folder / names.back(), i == 2 ? GridFile().vtu()  // a piece may be empty
-                                            : test::gridOfTets(mesh, i * 162 / 5, (i + 1) * 162 / 5).vtu());
+                                            : test::gridOf(mesh, i * 162 / 5, (i + 1) * 162 / 5).vtu());
   }
   names[2] = "piece2b.vtu";
-  writeText(folder / "piece2b.vtu", test::gridOfTets(mesh, 2 * 162 / 5, 3 * 162 / 5).vtu());
+  writeText(folder / "piece2b.vtu", test::gridOf(mesh, 2 * 162 / 5, 3 * 162 / 5).vtu());
   names.insert(names.begin(), "piece2.vtu");
   writeText(folder / "grid.pvtu", test::pvtu(names, "value"));
   writeText(folder / "undeclared.pvtu", test::pvtu(names, ""));
@@ -224,18 +173,25 @@ TEST(MeshFile, OtherCellsWithAVolumeAreNamedAndCounted) {
   GridFile grid = oneTet();
   for (int i = 0; i < 6; i++) grid.points.push_back({2.0 + i, 0, 0});
   grid.pointArrays[0].values.resize(10);
-  grid.cells.push_back({14, {4, 5, 6, 7, 8}});
-  grid.cells.push_back({14, {4, 5, 6, 7, 9}});
+  grid.cells.push_back({15, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}});
+  grid.cells.push_back({15, {1, 2, 3, 4, 5, 6, 7, 8, 9, 0}});
+  grid.cells.push_back({12, {0, 1, 2, 3, 4, 5, 6, 7}});
   grid.cells.push_back({24, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}});
   for (const int ranks : {1, 3})
-    expectText(errorOf(grid, {}, ranks), "pyramids (2), quadratic tetrahedra (1); expected tetrahedra");
+    expectText(errorOf(grid, {}, ranks),
+               "it has cells that an unstructured volume cannot have yet: pentagonal prisms (2), quadratic "
+               "tetrahedra "
+               "(1); expected tetrahedra, pyramids, wedges, hexahedra or voxels");
 }
 
 TEST(MeshFile, AFileWithoutVolumeSaysWhatItHas) {
   GridFile grid = oneTet();
   grid.cells = {{5, {0, 1, 2}}, {5, {1, 2, 3}}, {3, {0, 3}}};
   const std::string error = errorOf(grid, {}, 2);
-  expectText(error, "it has no cells with a volume, expected tetrahedra; it has lines (1), triangles (2)");
+  expectText(error,
+             "it has no cells with a volume, expected tetrahedra, pyramids, wedges, hexahedra or voxels; it "
+             "has lines "
+             "(1), triangles (2)");
   expectText(error, "imported as Triangles");
   grid = oneTet();
   grid.pointArrays.push_back({"unused", "Float32", 1, {0, 0, 0, 0}});

@@ -2,7 +2,7 @@
 // Every function of core/kernels/all.h, philox.h and random_line.h on seeded inputs, in the common dialect: probe(f, i) is a number that function f
 // computes from input i. C++, ISPC and GLSL read it after that file; their results have the same bits.
 
-#define PROBES 51
+#define PROBES 56
 
 // In [lo, hi).
 FN real drawIn(uint i, uint salt, real lo, real hi) { return lo + (hi - lo) * unitReal(hash2(i, salt)); }
@@ -212,6 +212,47 @@ FN real probeFace(int f, uint i) {
   return toReal(left) + a.z;
 }
 
+FN vec4 drawCorner(uint i, uint k, real x, real y, real z) {
+  vec3 by = drawPoint(i, 140u + 3u * k, (hash1(i) & 3u) == 0u ? R(1.5) : R(0.4));
+  return make_v4(x + by.x, y + by.y, z + by.z, drawIn(i, 170u + k, R(-1.0), R(1.0)));
+}
+
+// A hexahedron around the ray, often a tangled one, or a wedge.
+FN real probeHexahedron(int f, uint i) {
+  Hexahedron h;
+  h.c0 = drawCorner(i, 0u, R(-0.6), R(-0.5), R(-0.5));
+  h.c1 = drawCorner(i, 1u, R(0.5), R(-0.5), R(-0.5));
+  h.c2 = drawCorner(i, 2u, R(0.5), R(0.5), R(-0.5));
+  h.c3 = drawCorner(i, 3u, R(-0.6), R(0.5), R(-0.5));
+  h.c4 = drawCorner(i, 4u, R(-0.6), R(-0.5), R(0.5));
+  h.c5 = drawCorner(i, 5u, R(0.5), R(-0.5), R(0.5));
+  h.c6 = drawCorner(i, 6u, R(0.5), R(0.5), R(0.5));
+  h.c7 = drawCorner(i, 7u, R(-0.6), R(0.5), R(0.5));
+  uint orders = hash2(i, 180u) & 0x777777u;
+  if ((i & 7u) == 0u) {  // sides 4 and 5 are triangles, and side 3 has no area
+    h.c3 = h.c2;
+    h.c7 = h.c6;
+    orders = (orders & 0x777u) | 0x880000u;
+  }
+  uint signs = sideSigns(h);
+  if (f == 51) return toReal(signs & 0xfffu) + toReal(timesPassed(signs));
+  uint from = hash2(i, 181u) % 6u;
+  SidePoint p = sidePoint(h, from, orders);
+  if (f == 52) return p.z + R(2.0) * p.value + R(4.0) * p.u + R(8.0) * p.v;
+  int turn = 0;
+  uint to = pairedSide(h, orders, signs, from, turn);
+  if (f == 53) return toReal(to) + R(0.1) * toReal(turn) + lowestOf(h) + R(10.0) * highestOf(h);
+  SidePoint q = sidePoint(h, to, orders);
+  vec3 at = referencePlace(orderedCorners(from, orders), p.u, p.v);
+  vec4 cubic = cubicBetween(h, p, at, q, referencePlace(orderedCorners(to, orders), q.u, q.v), R(0.7),
+                            R(-1.0), R(1.0));
+  if (f == 54) return isFinite(h) ? cubic.y + R(2.0) * cubic.z : R(0.0);
+  vec3 found = coordinatesOfOrigin(h);
+  real volume;
+  vec3 gradient = scaledGradient(h, found, volume);
+  return found.x + R(2.0) * found.y + R(4.0) * found.z + gradient.x + volume;
+}
+
 FN real probe(int f, uint i) {
   if (f < 7) return probeElementary(f, i);
   if (f < 11) return probeBox(f, i);
@@ -221,5 +262,6 @@ FN real probe(int f, uint i) {
   if (f < 38) return probeTube(f, i);
   if (f < 41) return probeNumbers(f, i);
   if (f < 48) return probeRandom(f, i);
-  return probeFace(f, i);
+  if (f < 51) return probeFace(f, i);
+  return probeHexahedron(f, i);
 }

@@ -27,7 +27,7 @@ TEST(ViewerLooks, AMeshsPictureIsTheSameToTheBitForAnyNumberOfRanks) {
   for (const int ranks : {1, 3}) {
     const auto server = serve(ranks);
     std::ofstream(server->folder() / "cube.vtu")
-        << gridOfTets(mesh, 0, mesh.cells.size(CellType::Tetrahedron)).vtu();
+        << gridOf(mesh, 0, mesh.cells.size(CellType::Tetrahedron)).vtu();
     Viewer viewer(*server);
     viewer.client->expect(R"(import {"Datasets": {"name": "m", "filename": "cube.vtu", "type": "Volume"}})");
     json state = viewer.client->expect("scene m").at("state");

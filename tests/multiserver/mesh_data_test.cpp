@@ -26,9 +26,9 @@ class MeshServer : public TestServer {
  public:
   explicit MeshServer(int ranks, int64_t tenantMemory = 0) : TestServer(setup(ranks, tenantMemory)) {
     const MeshPiece mesh = cubeWithValues();
-    write("cube.vtu", gridOfTets(mesh, 0, 384).vtu());
-    write("a.vtu", gridOfTets(mesh, 0, 201).vtu());
-    write("b.vtu", gridOfTets(mesh, 200, 384).vtu());
+    write("cube.vtu", gridOf(mesh, 0, 384).vtu());
+    write("a.vtu", gridOf(mesh, 0, 201).vtu());
+    write("b.vtu", gridOf(mesh, 200, 384).vtu());
     write("cube.pvtu", pvtu({"a.vtu", "b.vtu"}, "value"));
     client = TestServer::client();
     for (const char* module : {"data", "analysis"}) client->expect(std::string("load ") + module);
@@ -158,13 +158,13 @@ TEST(MeshData, WhatTakesNoMeshesSaysSo) {
 
 TEST(MeshData, ImportsThatFailLeaveNothing) {
   MeshServer server(2);
-  GridFile grid = gridOfTets(cubeWithValues(), 0, 20);
-  grid.cells.push_back({13, {0, 1, 2, 3, 4, 5}});
-  server.write("wedge.vtu", grid.vtu());
+  GridFile grid = gridOf(cubeWithValues(), 0, 20);
+  grid.cells.push_back({15, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}});
+  server.write("prism.vtu", grid.vtu());
   grid.cells = {{5, {0, 1, 2}}};
   server.write("flat.vtu", grid.vtu());
   server.write("lattice.vts", "<VTKFile type=\"StructuredGrid\"></VTKFile>");
-  server.expectError(MeshServer::import("m", "wedge.vtu"), "wedges (1); expected tetrahedra");
+  server.expectError(MeshServer::import("m", "prism.vtu"), "pentagonal prisms (1); expected tetrahedra, ");
   server.expectError(MeshServer::import("m", "flat.vtu"), "it has no cells with a volume");
   server.expectError(MeshServer::import("m", "cube.vtu", R"(, "array": "none")"),
                      "no array 'none' of points");

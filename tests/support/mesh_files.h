@@ -64,15 +64,16 @@ struct GridFile {
   }
 };
 
-/// Cells `first` to `last` of tetrahedra, with their points and values, which are array `name`.
-inline GridFile gridOfTets(const MeshPiece& mesh, size_t first, size_t last,
-                           const std::string& name = "value") {
+/// Cells `first` to `last` of a mesh, with their points and values, which are array `name`.
+inline GridFile gridOf(const MeshPiece& mesh, size_t first, size_t last, const std::string& name = "value") {
+  constexpr std::array<int, kCellTypes> kTypes{10, 14, 13, 12};
   GridFile file;
   file.pointArrays.push_back({name, "Float32", mesh.components, {}});
-  const std::vector<uint32_t>& ids = mesh.cells.points[size_t(CellType::Tetrahedron)];
-  std::vector<uint32_t> taken(ids.begin() + std::ptrdiff_t(4 * first),
-                              ids.begin() + std::ptrdiff_t(4 * last));
-  const std::vector<uint32_t> corners = taken;
+  std::vector<uint32_t> taken;
+  for (size_t cell = first; cell < last; cell++) {
+    const auto corners = mesh.cells.pointsOf(uint32_t(cell));
+    taken.insert(taken.end(), corners.begin(), corners.end());
+  }
   std::sort(taken.begin(), taken.end());
   taken.erase(std::unique(taken.begin(), taken.end()), taken.end());
   for (const uint32_t p : taken) {
@@ -80,10 +81,11 @@ inline GridFile gridOfTets(const MeshPiece& mesh, size_t first, size_t last,
     for (int c = 0; c < mesh.components; c++)
       file.pointArrays[0].values.push_back(double(mesh.values[p * size_t(mesh.components) + size_t(c)]));
   }
-  for (size_t at = 0; at < corners.size(); at += 4) {
-    auto& cell = file.cells.emplace_back(10, std::vector<uint32_t>()).second;
-    for (size_t i = 0; i < 4; i++)
-      cell.push_back(uint32_t(std::lower_bound(taken.begin(), taken.end(), corners[at + i]) - taken.begin()));
+  for (size_t cell = first; cell < last; cell++) {
+    const int type = kTypes[size_t(mesh.cells.typeOf(uint32_t(cell)))];
+    auto& corners = file.cells.emplace_back(type, std::vector<uint32_t>()).second;
+    for (const uint32_t p : mesh.cells.pointsOf(uint32_t(cell)))
+      corners.push_back(uint32_t(std::lower_bound(taken.begin(), taken.end(), p) - taken.begin()));
   }
   return file;
 }

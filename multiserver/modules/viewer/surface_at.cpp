@@ -6,9 +6,13 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
 #include <limits>
+#include <optional>
 
 #include "core/data/bricks.h"
+#include "core/kernels/twin.h"
+#include "core/rays/kernel_cells.h"
 
 namespace gxy::viewer {
 
@@ -133,31 +137,60 @@ double shownValue(const Mesh& mesh, const MeshBlock& block, size_t point, std::o
   return std::sqrt(squares);
 }
 
+constexpr double kCellSlack = 1e-4;  // of a cell: what float leaves of a point on its border
+
+/// Where a point is in a cell: the value and its gradient there; nothing if it is outside.
+struct PlaceInCell {
+  double value;
+  glm::dvec3 gradient;
+};
+
+template <class Point, class Value>
+std::optional<PlaceInCell> inTetrahedron(glm::dvec3 point, const Point& corner, const Value& value) {
+  const glm::dvec3 origin = corner(0), u = corner(1) - origin, v = corner(2) - origin, w = corner(3) - origin;
+  const glm::dvec3 vw = glm::cross(v, w), wu = glm::cross(w, u), uv = glm::cross(u, v), to = point - origin;
+  const double volume = glm::dot(u, vw);
+  if (volume == 0) return std::nullopt;
+  const glm::dvec3 share = glm::dvec3(glm::dot(to, vw), glm::dot(to, wu), glm::dot(to, uv)) / volume;
+  if (std::min({share.x, share.y, share.z, 1 - share.x - share.y - share.z}) < -kCellSlack)
+    return std::nullopt;
+  const double first = value(0);
+  const glm::dvec3 rise = glm::dvec3(value(1), value(2), value(3)) - first;
+  return PlaceInCell{first + glm::dot(share, rise), (rise.x * vw + rise.y * wu + rise.z * uv) / volume};
+}
+
+template <class Point, class Value>
+std::optional<PlaceInCell> inHexahedron(glm::dvec3 point, const Point& corner, const Value& value) {
+  Box box;
+  for (size_t k = 0; k < 8; k++) box.extend(corner(k) - point);
+  const glm::dvec3 size = box.hi - box.lo,
+                   slack = glm::dvec3(kCellSlack * std::max({size.x, size.y, size.z}));
+  for (int a = 0; a < 3; a++)
+    if (box.lo[a] > slack[a] || box.hi[a] < -slack[a]) return std::nullopt;
+  const auto of = [&](size_t k) { return glm::dvec4(corner(k) - point, value(k)); };
+  const twin::Hexahedron cell{of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)};
+  const glm::dvec3 at = twin::coordinatesOfOrigin(cell);
+  const glm::dvec4 there = twin::trilinearIn(cell, at);
+  if (glm::length(glm::dvec3(there)) > slack.x) return std::nullopt;
+  double volume = 0;
+  const glm::dvec3 scaled = twin::scaledGradient(cell, at, volume);
+  return PlaceInCell{there.w, scaled / volume};
+}
+
 /// Calls found(surface) for the isosurfaces and slices of an unstructured volume in the cells that hold the point.
 template <class Found>
 void ofMesh(const Vis& vis, const Mesh& mesh, glm::dvec3 point, const Found& found) {
   if (vis.isovalues.empty() && vis.slices.empty()) return;
-  constexpr double kSlack = 1e-4;  // of a cell: what float leaves of a point on its border
   for (const auto& entry : mesh.blocks) {
     const MeshBlock& block = entry.second;
-    const std::vector<uint32_t>& corners = block.cells.points[size_t(CellType::Tetrahedron)];
-    for (size_t cell = 0; cell < corners.size(); cell += 4) {
-      const uint32_t* c = &corners[cell];
-      const glm::dvec3 origin = block.points[c[0]], u = block.points[c[1]] - origin,
-                       v = block.points[c[2]] - origin, w = block.points[c[3]] - origin;
-      const glm::dvec3 vw = glm::cross(v, w), wu = glm::cross(w, u), uv = glm::cross(u, v),
-                       to = point - origin;
-      const double volume = glm::dot(u, vw);
-      if (volume == 0) continue;
-      const glm::dvec3 share = glm::dvec3(glm::dot(to, vw), glm::dot(to, wu), glm::dot(to, uv)) / volume;
-      if (std::min({share.x, share.y, share.z, 1 - share.x - share.y - share.z}) < -kSlack) continue;
-      const auto value = [&](size_t i) { return shownValue(mesh, block, c[i], vis.component); };
-      const double first = value(0);
-      const glm::dvec3 rise = glm::dvec3(value(1), value(2), value(3)) - first;
-      const double here = first + glm::dot(share, rise);
-      if (!std::isfinite(here)) continue;
-      const glm::dvec3 gradient = (rise.x * vw + rise.y * wu + rise.z * uv) / volume;
-      foundIn(vis, here, gradient, point, found);
+    const KernelCells cells = kernelCells(block, hasOnlyTetrahedra(mesh));
+    for (size_t cell = 0; cell < cells.size(); cell++) {
+      const auto points = cells.pointsOf(cell);
+      const auto corner = [&](size_t k) { return block.points[points[k]]; };
+      const auto value = [&](size_t k) { return shownValue(mesh, block, points[k], vis.component); };
+      const auto here =
+          cells.corners == 4 ? inTetrahedron(point, corner, value) : inHexahedron(point, corner, value);
+      if (here && std::isfinite(here->value)) foundIn(vis, here->value, here->gradient, point, found);
     }
   }
 }

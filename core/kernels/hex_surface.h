@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Isosurfaces and slices of unstructured volumes of hexahedra, as those of tetrahedra (cell_surface.h): cells in which a level is 0 on the
+// surface. The level where a ray passes a side has the same bits in both cells of the side, so a surface has no cracks. Between two sides
+// it is taken as a cubic (hexahedron.h), whose root then moves to where the trilinear level is 0.
+//
+// Each dialect supplies, for the OPERATOR type, of surface cell p,
+//   vec4 hexLevel(op, p, k)    x, y, z of corner k of 8, and the level there
+//   real hexValue(op, p, k)    the value there
+//   uint levelOrders(op, p)    the orders (hexahedron.h) of its sides
+// and surfaceOf(op, p).
+
+// One step of Newton's method towards the reference coordinates at which the ray meets the surface.
+FN vec3 towardsSurface(Hexahedron h, vec3 at) {
+  vec4 p = trilinearIn(h, at), dx = derivativeX(h, at), dy = derivativeY(h, at), dz = derivativeZ(h, at);
+  vec3 by = solved(make_v3(dx.x, dx.y, dx.w), make_v3(dy.x, dy.y, dy.w), make_v3(dz.x, dz.y, dz.w),
+                   make_v3(p.x, p.y, p.w));
+  return inCell(make_v3(at.x - by.x, at.y - by.y, at.z - by.z));
+}
+
+// The first t > tAfter at which the level is 0 between two sides of a hexahedron in the frame of the ray.
+FN real levelRootBetween(FrameRay r, Hexahedron h, uint orders, uint from, uint to, real tAfter) {
+  SidePoint p = sidePoint(h, from, orders), q = sidePoint(h, to, orders);
+  vec3 at = referencePlace(orderedCorners(from, orders), p.u, p.v);
+  vec3 next = referencePlace(orderedCorners(to, orders), q.u, q.v);
+  real tp = p.z * r.frame.perDepth, tq = q.z * r.frame.perDepth;
+  real t = NO_HIT;
+  if (max1(tp, tq) > tAfter) {
+    vec4 cubic = cubicBetween(h, p, at, q, next, q.z - p.z, lowestOf(h), highestOf(h));
+    if (tq < tp) {
+      cubic = make_v4(cubic.w, cubic.z, cubic.y, cubic.x);
+      vec3 place = at;
+      at = next;
+      next = place;
+      real first = tp;
+      tp = tq;
+      tq = first;
+    }
+    real e0, e1;
+    extremaOf(cubic, e0, e1);
+    real a = R(0.0), fa = cubic.x;
+    for (UNIFORM int k = 0; k < 3; k++) {
+      real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
+      real fz = z < R(1.0) ? bernsteinValue(cubic, z) : cubic.w;
+      if (!(t < NO_HIT) && z > a && (fa > R(0.0)) != (fz > R(0.0)) && lerp1(tp, tq, z) > tAfter) {
+        real u = refineRoot(cubic, a, z, fa, fz, ROOT_TOLERANCE);
+        vec3 met = make_v3(lerp1(at.x, next.x, u), lerp1(at.y, next.y, u), lerp1(at.z, next.z, u));
+        met = towardsSurface(h, met);
+        met = towardsSurface(h, towardsSurface(h, met));
+        vec4 there = trilinearIn(h, met);
+        real exact = there.z * r.frame.perDepth, root = lerp1(tp, tq, u);
+        // It is taken if it is nearer to the ray and to the surface than where the cubic is 0.
+        bool close = exact >= tp && exact <= tq && abs(exact - root) <= R(0.25) * (tq - tp);
+        root = clamp1(close ? exact : root, tp, tq);
+        if (root > tAfter) t = root;
+      }
+      if (z > a) fa = fz;
+      a = max1(a, z);
+    }
+  }
+  return t;
+}
+
+// The hit with t > tAfter of the surface in a hexahedron. w of the corners: their levels.
+FN_OUTLINE bool hitHexahedron(FrameRay r, Hexahedron cell, uint orders, real tAfter, OUT(real) t) {
+  Hexahedron h;
+  h.c0 = framed(r, cell.c0), h.c1 = framed(r, cell.c1), h.c2 = framed(r, cell.c2), h.c3 = framed(r, cell.c3);
+  h.c4 = framed(r, cell.c4), h.c5 = framed(r, cell.c5), h.c6 = framed(r, cell.c6), h.c7 = framed(r, cell.c7);
+  uint signs = sideSigns(h);
+  t = NO_HIT;
+  if (signs != NO_SIDES) {
+    bool two = timesPassed(signs) == 2;
+    // Where the ray passes more than two sides, each that it enters is one of a pair.
+    for (UNIFORM int k = 0; k < HEX_SIDES; k++) {
+      uint from = two ? sideOfSign(signs, 1) : toUint(k);
+      bool enters = two ? k == 0 : signOf(signs, from) > 0;
+      if (enters) {
+        uint to = sideOfSign(signs, -1);
+        int turn = 0;
+        if (!two) to = pairedSide(h, orders, signs, from, turn);
+        t = min1(t, levelRootBetween(r, h, orders, from, to, tAfter));
+      }
+    }
+  }
+  return t < NO_HIT;
+}
+
+FN vec4 from4(vec4 corner, vec3 point, real number) {
+  return make_v4(corner.x - point.x, corner.y - point.y, corner.z - point.z, number);
+}
+
+// The surface in surface cell p, which the ray meets at t. Normals are those of the level there; an isosurface's outside is where values
+// are lower.
+FN Surface hexSurface(OPERATOR op, uint p, vec3 o, vec3 d, real t) {
+  Surface f;
+  f.point = make_v3(o.x + t * d.x, o.y + t * d.y, o.z + t * d.z);
+  f.own = make_v3(R(0.0), R(0.0), R(0.0));
+  f.start = 0u;
+  vec4 c0 = hexLevel(op, p, 0), c1 = hexLevel(op, p, 1), c2 = hexLevel(op, p, 2), c3 = hexLevel(op, p, 3);
+  vec4 c4 = hexLevel(op, p, 4), c5 = hexLevel(op, p, 5), c6 = hexLevel(op, p, 6), c7 = hexLevel(op, p, 7);
+  f.size = max1(max1(max1(largest3(placeOf(c0)), largest3(placeOf(c1))), max1(largest3(placeOf(c2)), largest3(placeOf(c3)))),
+                max1(max1(largest3(placeOf(c4)), largest3(placeOf(c5))), max1(largest3(placeOf(c6)), largest3(placeOf(c7)))));
+  Hexahedron h;
+  h.c0 = from4(c0, f.point, c0.w), h.c1 = from4(c1, f.point, c1.w), h.c2 = from4(c2, f.point, c2.w);
+  h.c3 = from4(c3, f.point, c3.w), h.c4 = from4(c4, f.point, c4.w), h.c5 = from4(c5, f.point, c5.w);
+  h.c6 = from4(c6, f.point, c6.w), h.c7 = from4(c7, f.point, c7.w);
+  vec3 at = coordinatesOfOrigin(h);
+  uint surface = surfaceOf(op, p);
+  if (surface < toUint(op.slices)) {
+    f.normal = sliceNormal(op, surface);
+  } else {
+    real volume;
+    vec3 gradient = scaledGradient(h, at, volume);
+    real down = volume < R(0.0) ? R(1.0) : R(-1.0);
+    f.normal = unit3(make_v3(down * gradient.x, down * gradient.y, down * gradient.z));
+    if (!(dot3(f.normal, f.normal) >= R(0.5))) f.normal = unit3(make_v3(-d.x, -d.y, -d.z));
+  }
+  f.geometric = f.normal;
+  h.c0.w = hexValue(op, p, 0), h.c1.w = hexValue(op, p, 1), h.c2.w = hexValue(op, p, 2), h.c3.w = hexValue(op, p, 3);
+  h.c4.w = hexValue(op, p, 4), h.c5.w = hexValue(op, p, 5), h.c6.w = hexValue(op, p, 6), h.c7.w = hexValue(op, p, 7);
+  vec4 there = trilinearIn(h, at);
+  f.value = there.w;
+  return f;
+}

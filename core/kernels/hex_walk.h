@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// The march through an unstructured volume of hexahedra: as that through tetrahedra (mesh.h), but for cells of hexahedron.h.
+//
+// Each dialect supplies, for the OPERATOR type,
+//   uint hexPoint(op, i)        corner i % 8 of hexahedron i / 8
+//   uint hexNeighbour(op, i)    what lies behind side i % 6 of hexahedron i / 6: a side (cell << 3 | side) of another cell, or NO_FACE
+//   uint hexOrders(op, i)       the orders (hexahedron.h) of the sides of hexahedron i
+
+FN vec4 framed(FrameRay r, vec4 corner) {
+  vec3 p = inFrame(r, placeOf(corner));
+  return make_v4(p.x, p.y, p.z, corner.w);
+}
+
+FN Hexahedron hexahedronIn(OPERATOR op, FrameRay r, uint cell) {
+  uint at = cell * 8u;
+  Hexahedron h;
+  h.c0 = framed(r, vertexOf(op, hexPoint(op, at)));
+  h.c1 = framed(r, vertexOf(op, hexPoint(op, at + 1u)));
+  h.c2 = framed(r, vertexOf(op, hexPoint(op, at + 2u)));
+  h.c3 = framed(r, vertexOf(op, hexPoint(op, at + 3u)));
+  h.c4 = framed(r, vertexOf(op, hexPoint(op, at + 4u)));
+  h.c5 = framed(r, vertexOf(op, hexPoint(op, at + 5u)));
+  h.c6 = framed(r, vertexOf(op, hexPoint(op, at + 6u)));
+  h.c7 = framed(r, vertexOf(op, hexPoint(op, at + 7u)));
+  return h;
+}
+
+// Whether the ray passes the side of these corners, and at which t. The corners are in order (hexahedron.h).
+FN bool passesSide(FrameRay r, vec3 a, vec3 b, vec3 c, vec3 d, bool triangle, OUT(real) t) {
+  vec3 pa = inFrame(r, a), pb = inFrame(r, b), pc = inFrame(r, c), pd = inFrame(r, d);
+  vec4 qa = make_v4(pa.x, pa.y, pa.z, R(0.0)), qb = make_v4(pb.x, pb.y, pb.z, R(0.0)),
+       qc = make_v4(pc.x, pc.y, pc.z, R(0.0)), qd = make_v4(pd.x, pd.y, pd.z, R(0.0));
+  int sign = (edgeCrossing(pa, pb) + edgeCrossing(pb, pc)) + (edgeCrossing(pc, pd) + edgeCrossing(pd, pa));
+  t = NO_HIT;
+  if (sign != 0) {
+    SidePoint p;
+    if (triangle)
+      p = trianglePoint(qa, qb, qc);
+    else
+      p = patchPoint(qa, qb, qc, qd);
+    t = p.z * r.frame.perDepth;
+  }
+  return sign != 0;
+}
+
+// As walkMesh().
+FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMarch) w, INOUT(Radiance) L,
+                      INOUT(int) samples, INOUT(int) cells) {
+  uint face = from, passed = from;
+  int turn = 0;
+  uint orders = hexOrders(op, from >> 3);
+  Hexahedron h = hexahedronIn(op, r, from >> 3);
+  SidePoint p = sidePoint(h, from & 7u, orders);
+  vec3 rgb = L.rgb;
+  real A = L.A, largest = max(w.largest, p.z * r.frame.perDepth), begin = max(w.t0, m.tStart);
+  int evaluated = 0, crossed = 0;
+  bool goes = true;
+  while (goes && face != NO_FACE) {
+    uint cell = face >> 3, side = face & 7u;
+    if (crossed > 0) {
+      orders = hexOrders(op, cell);
+      h = hexahedronIn(op, r, cell);
+    }
+    uint signs = sideSigns(h);
+    uint next = sideOfSign(signs, -signOf(signs, side));
+    if (timesPassed(signs) != 2) next = pairedSide(h, orders, signs, side, turn);
+    passed = (cell << 3) | next;
+    face = hexNeighbour(op, cell * 6u + next);
+    SidePoint q = sidePoint(h, next, orders);
+    real before = largest;
+    largest = max(largest, q.z * r.frame.perDepth);
+    crossed += 1;
+    real ends = min(largest, w.t1);
+    real to = min(ends, m.tStop);
+    if (ends > m.tIn) {
+      real start = max(before, begin);
+      if (to > m.tOut) {
+        goes = false;  // the cell belongs to the next partition
+      } else if (to > start && isFinite(h)) {
+        // The two cells of a triangle have different coordinates in it.
+        if (isTriangle(side, orders)) p = sidePoint(h, side, orders);
+        real span = largest - before;
+        CellCurve curve;
+        curve.cubic = cubicBetween(h, p, referencePlace(orderedCorners(side, orders), p.u, p.v), q,
+                                   referencePlace(orderedCorners(next, orders), q.u, q.v),
+                                   span / r.frame.perDepth, lowestOf(h), highestOf(h));
+        curve.low = min(min(curve.cubic.x, curve.cubic.y), min(curve.cubic.z, curve.cubic.w));
+        curve.high = max(max(curve.cubic.x, curve.cubic.y), max(curve.cubic.z, curve.cubic.w));
+        CurveInMap lies = curveInMap(op.map, curve);
+        if (lies.seen) {
+          evaluated += 1;
+          addPart(op.map, curve, lies, (start - before) / span, to < largest ? (to - before) / span : R(1.0),
+                  span, m.tMin, rgb, A);
+        }
+      }
+      if (to >= w.end || to >= m.tOut || R(1.0) - A < m.tMin) goes = false;
+    }
+    p = q;
+  }
+  L.rgb = rgb;
+  L.A = A;
+  w.largest = largest;
+  w.goes = goes;
+  samples += evaluated;
+  cells += crossed;
+  return passed;
+}
