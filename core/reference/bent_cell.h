@@ -61,7 +61,7 @@ class CellOnRay {
 
   /// Returns where the sign of what has these values at the corners changes in the passage, ascending: > 0 against <= 0. These are as many,
   /// even or odd, as the signs on the faces say, so there are neither cracks nor double roots between cells. Pairs of roots are found
-  /// unless the value between them is within 1e-9 of its range in the cell.
+  /// unless the value between them is within about 1e-8 of its range in the cell.
   std::vector<CellRoot> roots(const CellPassage& passage, const OfCorners& values) const;
 
   /// The place in reference coordinates at a t in a passage.

@@ -77,6 +77,7 @@ std::vector<MeshCrossing> MeshSurface::crossingsOfBent(uint32_t cell, const Ray&
     for (const CellRoot& root : roots)
       found.push_back({root.t, shapeAt(one.cell.type, root.place).mean(one.values), cell, root.place});
   }
+  std::ranges::stable_sort(found, {}, &MeshCrossing::t);  // the passages of a tangled cell may overlap
   return found;
 }
 

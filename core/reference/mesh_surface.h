@@ -35,6 +35,7 @@ struct MeshCrossing {
   glm::dvec3 place{0};  ///< in the reference coordinates of shapeAt(); not of a tetrahedron
 };
 
+/// What levels are: values less the isovalue, or distances to a plane, which are linear in space.
 enum class LevelKind { Values, Distances };
 
 /// The surface that bounds the places with a level > 0 from those with a level <= 0, inside the cells alone. A ray crosses it in a cell
