@@ -68,11 +68,7 @@ void VolumeRay::addCells(size_t term, const VolumeTerm& how, const Field& field,
 
 void VolumeRay::addCells(size_t term, const VolumeTerm& how, const MeshField& field, const Ray& ray,
                          Interval visible) {
-  for (const MeshSpan& s : field.along(ray, visible)) {
-    const Cubic linear{
-        {s.value0, mix(s.value0, s.value1, 1 / 3.0), mix(s.value0, s.value1, 2 / 3.0), s.value1}};
-    addCell(term, how, visible, {s.t0, s.t1}, linear);
-  }
+  for (const MeshSpan& s : field.along(ray, visible)) addCell(term, how, visible, {s.t0, s.t1}, s.value);
 }
 
 void VolumeRay::addCell(size_t term, const VolumeTerm& how, Interval visible, Interval cell,

@@ -3,34 +3,41 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/data/mesh.h"
+#include "core/reference/bent_cell.h"
 #include "core/reference/bvh.h"
+#include "core/reference/cubic.h"
 #include "core/reference/mesh_surface.h"
 #include "core/reference/ray.h"
 #include "core/scene/scene.h"
 
 namespace gxy::reference {
 
-/// The part of a ray's line in one tetrahedron, t0 < t1. The value is linear between both ends.
+/// A part of a ray's line in one cell, t0 < t1. The value there is a cubic of (t - t0) / (t1 - t0).
 struct MeshSpan {
   double t0, t1;
-  double value0, value1;
+  Cubic value;
 };
 
-/// A scalar field on tetrahedra: one component of a mesh, or the magnitude of all its components, taken at the points. Each cell is
-/// met by itself, so the order and the neighbours of cells have no effect. Immutable; safe to use from any thread.
+/// A scalar field on cells: one component of a mesh, or the magnitude of all its components, taken at the points. It is linear in a
+/// tetrahedron, and what BentCell says in other cells. Each cell is met by itself, so the order and the neighbours of cells have no
+/// effect. Immutable; safe to use from any thread.
 class MeshField {
  public:
-  /// Copies the cells of all blocks, each cell once even if several blocks have it. Throws Error for cells other than tetrahedra, for
-  /// a component that the mesh has not, and for a block with too few values.
+  /// Copies the cells of all blocks, each cell once even if several blocks have it. Throws Error for a component that the mesh has not,
+  /// and for a block with too few values.
   MeshField(const Mesh& mesh, std::optional<int> component);
 
-  /// Returns the parts of the ray in all cells that have data and that it meets in `range`, by ascending t0. They are not cut at the
-  /// ends of `range`. For rays through vertices, edges and along faces see passageThrough().
+  /// Returns the parts of the ray in all cells that have data and that it meets in `range`, by the t at which it enters the cell. They
+  /// are not cut at the ends of `range`. A tetrahedron has one part, in which the value is linear. Other cells have one or several: the
+  /// cubics differ from the field by no more than 1e-8 of the range of the cell's values. For rays through vertices, edges and along
+  /// faces see passageThrough() and meet().
   std::vector<MeshSpan> along(const Ray& ray, Interval range) const;
 
   /// The surface on which the value is the isovalue. Levels are > 0 where values are higher.
@@ -38,19 +45,31 @@ class MeshField {
   /// The part of a plane in the cells that have data. Levels are > 0 on the side of the normal.
   MeshSurface slice(const Plane& plane) const;
 
-  size_t cells() const { return cells_.size(); }  ///< with data
-  const Box& box() const { return box_; }         ///< Mesh::box
+  size_t cells() const { return tetrahedra_.size() + others_.size(); }  ///< with data
+  const Box& box() const { return box_; }                               ///< Mesh::box
   double typicalLength() const { return typicalLength_; }
 
  private:
-  using Cell = std::array<uint32_t, 4>;
-  Tetrahedron cornersOf(const Cell& cell) const;
-  std::array<double, 4> valuesOf(const Cell& cell) const;
+  using Corners = std::array<uint32_t, 4>;
+  /// Of a hexahedron, wedge or pyramid.
+  struct Other {
+    CellType type;
+    std::array<uint32_t, 8> points{};
+  };
+  void addCells(const MeshBlock& block, uint32_t firstPoint, std::vector<Corners>& tetrahedra,
+                std::vector<Other>& others) const;
+  MeshSurface surface(const std::function<double(uint32_t point)>& levelOf, LevelKind kind) const;
+  bool haveData(std::span<const uint32_t> points) const;
+  Tetrahedron cornersOf(const Corners& cell) const;
+  BentCell cornersOf(const Other& cell) const;
+  std::array<double, 4> valuesOf(const Corners& cell) const;
+  OfCorners valuesOf(const Other& cell) const;
 
   std::vector<glm::dvec3> points_;
   std::vector<double> values_;
-  std::vector<Cell> cells_;  ///< those with data; their points ascend
-  std::optional<Bvh> tree_;
+  std::vector<Corners> tetrahedra_;  ///< those with data; their points ascend
+  std::vector<Other> others_;        ///< those with data
+  std::optional<Bvh> tree_;          ///< tetrahedra first
   Box box_;
   double typicalLength_;
 };

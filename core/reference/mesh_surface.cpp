@@ -22,27 +22,63 @@ ScaledGradient gradientOf(const Tetrahedron& corners, const std::array<double, 4
                                     (values[3] - values[0]) * acrossD};
 }
 
+/// The gradient at a place in reference coordinates; not finite where there is none.
+glm::dvec3 gradientAt(const BentCell& cell, glm::dvec3 place, const OfCorners& values) {
+  const ShapeFunctions shape = shapeAt(cell.type, place);
+  return Jacobian(shape, cell.corners()).inSpace(derivativesOf(shape, values));
+}
+
+/// The place `aside` from another one, to first order.
+glm::dvec3 placeNear(const BentCell& cell, glm::dvec3 place, glm::dvec3 aside) {
+  const Jacobian jacobian(shapeAt(cell.type, place), cell.corners());
+  return jacobian.isRegular() ? place + jacobian.inReference(aside) : place;
+}
+
 }  // namespace
 
-bool isPassed(const std::array<double, 4>& levels) {
+bool isPassed(std::span<const double> levels) {
   return std::ranges::max(levels) > 0 && std::ranges::min(levels) <= 0;
 }
 
-MeshSurface::MeshSurface(std::vector<LevelCell> cells) : cells_(std::move(cells)) {
+MeshSurface::MeshSurface(std::vector<LevelCell> tetrahedra, std::vector<LevelBentCell> others, LevelKind kind)
+    : tetrahedra_(std::move(tetrahedra)), others_(std::move(others)), kind_(kind) {
   std::vector<Box> boxes;
-  for (const LevelCell& cell : cells_) boxes.push_back(boxAround(cell.corners));
+  for (const LevelCell& cell : tetrahedra_) boxes.push_back(boxAround(cell.corners));
+  for (const LevelBentCell& one : others_) boxes.push_back(boxAround(one.cell.corners()));
   tree_.emplace(boxes);
 }
 
-std::optional<MeshCrossing> MeshSurface::crossing(uint32_t cell, const Ray& ray) const {
-  const LevelCell& in = cells_[cell];
+std::vector<MeshCrossing> MeshSurface::crossings(uint32_t cell, const Ray& ray) const {
+  if (isBent(cell)) return crossingsOfBent(cell, ray);
+  const LevelCell& in = tetrahedra_[cell];
   const auto passage = passageThrough(in.corners, ray);
-  if (!passage) return std::nullopt;
+  if (!passage) return {};
   const auto& [front, back] = *passage;
   const double level0 = front.mean(in.levels), level1 = back.mean(in.levels);
-  if ((level0 > 0) == (level1 > 0)) return std::nullopt;
+  if ((level0 > 0) == (level1 > 0)) return {};
   const double u = level0 / (level0 - level1), value0 = front.mean(in.values), value1 = back.mean(in.values);
-  return MeshCrossing{front.t + u * (back.t - front.t), value0 + u * (value1 - value0), cell};
+  return {{front.t + u * (back.t - front.t), value0 + u * (value1 - value0), cell}};
+}
+
+std::vector<MeshCrossing> MeshSurface::crossingsOfBent(uint32_t cell, const Ray& ray) const {
+  const LevelBentCell& one = bent(cell);
+  const CellOnRay on(one.cell, ray);
+  std::vector<MeshCrossing> found;
+  for (const CellPassage& passage : on.passages()) {
+    std::vector<CellRoot> roots;
+    if (kind_ == LevelKind::Values) {
+      roots = on.roots(passage, one.levels);
+    } else {
+      const double level0 = passage.in.mean(one.levels), level1 = passage.out.mean(one.levels);
+      if ((level0 > 0) == (level1 > 0)) continue;
+      const double t = passage.in.t + level0 / (level0 - level1) * (passage.out.t - passage.in.t);
+      roots.push_back({t, on.placeAt(passage, t)});
+    }
+    for (const CellRoot& root : roots)
+      found.push_back({root.t, shapeAt(one.cell.type, root.place).mean(one.values), cell, root.place});
+  }
+  std::ranges::stable_sort(found, {}, &MeshCrossing::t);  // the passages of a tangled cell may overlap
+  return found;
 }
 
 std::vector<MeshCrossing> MeshSurface::along(const Ray& ray, Interval range) const {
@@ -50,8 +86,8 @@ std::vector<MeshCrossing> MeshSurface::along(const Ray& ray, Interval range) con
   tree_->traverse(
       ray, range.lo, [&] { return range.hi; },
       [&](uint32_t cell) {
-        const auto one = crossing(cell, ray);
-        if (one && range.contains(one->t)) found.push_back(*one);
+        for (const MeshCrossing& one : crossings(cell, ray))
+          if (range.contains(one.t)) found.push_back(one);
       });
   std::sort(found.begin(), found.end(), [](const MeshCrossing& a, const MeshCrossing& b) {
     return std::tie(a.t, a.cell) < std::tie(b.t, b.cell);
@@ -59,19 +95,47 @@ std::vector<MeshCrossing> MeshSurface::along(const Ray& ray, Interval range) con
   return found;
 }
 
-glm::dvec3 MeshSurface::upwards(uint32_t cell, glm::dvec3 flat) const {
-  const auto [volume, gradient] = gradientOf(cells_[cell].corners, cells_[cell].levels);
+glm::dvec3 MeshSurface::upwards(const MeshCrossing& crossing, glm::dvec3 flat, glm::dvec3 aside) const {
+  ScaledGradient scaled{};
+  if (isBent(crossing.cell)) {
+    const LevelBentCell& one = bent(crossing.cell);
+    scaled = {1, gradientAt(one.cell, placeNear(one.cell, crossing.place, aside), one.levels)};
+  } else {
+    const LevelCell& cell = tetrahedra_[crossing.cell];
+    scaled = gradientOf(cell.corners, cell.levels);
+  }
+  const auto [volume, gradient] = scaled;
   const double length = glm::length(gradient);
   if (!(length > 0 && std::isfinite(length))) return flat;
   return (volume < 0 ? -1.0 : 1.0) / length * gradient;
 }
 
 double MeshSurface::valueNear(const MeshCrossing& crossing, glm::dvec3 aside) const {
-  const LevelCell& cell = cells_[crossing.cell];
-  const auto [volume, gradient] = gradientOf(cell.corners, cell.values);
-  const double rise = glm::dot(gradient, aside) / volume;
-  const auto [low, high] = std::minmax_element(cell.values.begin(), cell.values.end());
+  double rise = 0;
+  OfCorners values{};
+  size_t corners = 4;
+  if (isBent(crossing.cell)) {
+    const LevelBentCell& one = bent(crossing.cell);
+    corners = one.cell.corners().size();
+    values = one.values;
+    rise = glm::dot(gradientAt(one.cell, crossing.place, values), aside);
+  } else {
+    const LevelCell& cell = tetrahedra_[crossing.cell];
+    std::copy(cell.values.begin(), cell.values.end(), values.begin());
+    const auto [volume, gradient] = gradientOf(cell.corners, cell.values);
+    rise = glm::dot(gradient, aside) / volume;
+  }
+  const auto [low, high] = std::minmax_element(values.begin(), values.begin() + ptrdiff_t(corners));
   return std::clamp(crossing.value + (std::isfinite(rise) ? rise : 0), *low, *high);
+}
+
+double MeshSurface::farthest(uint32_t cell) const {
+  const auto corners =
+      isBent(cell) ? bent(cell).cell.corners() : std::span<const glm::dvec3>(tetrahedra_[cell].corners);
+  double largest = 0;
+  for (const glm::dvec3& p : corners)
+    largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  return largest;
 }
 
 }  // namespace gxy::reference

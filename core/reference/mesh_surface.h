@@ -3,55 +3,75 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "core/reference/bent_cell.h"
 #include "core/reference/bvh.h"
 #include "core/reference/tetrahedron.h"
 
 namespace gxy::reference {
 
-/// A cell with a level, which is linear in it: value - isovalue, or the distance to the plane of a slice.
+/// A tetrahedron with a level, which is linear in it: value - isovalue, or the distance to the plane of a slice.
 struct LevelCell {
   Tetrahedron corners;
   std::array<double, 4> levels, values;  ///< at the corners
 };
 
+/// The same for a hexahedron, wedge or pyramid.
+struct LevelBentCell {
+  BentCell cell;
+  OfCorners levels, values;
+};
+
 /// Whether the surface passes a cell with these levels at its corners.
-bool isPassed(const std::array<double, 4>& levels);
+bool isPassed(std::span<const double> levels);
 
 /// Where a ray meets the surface in a cell.
 struct MeshCrossing {
   double t;
   double value;
   uint32_t cell;
+  glm::dvec3 place{0};  ///< in the reference coordinates of shapeAt(); not of a tetrahedron
 };
 
+/// What levels are: values less the isovalue, or distances to a plane, which are linear in space.
+enum class LevelKind { Values, Distances };
+
 /// The surface that bounds the places with a level > 0 from those with a level <= 0, inside the cells alone. A ray crosses it in a cell
-/// if exactly one of the levels where it enters and leaves the cell is > 0. If two cells have the corners of their common face in the
-/// same order, no ray near it misses the surface or crosses it twice. Where two parts of the surface touch, a ray crosses both.
-/// Immutable; safe to use from any thread.
+/// an odd number of times if exactly one of the levels where it enters and leaves the cell is > 0; that is once in a tetrahedron, and on
+/// distances to a plane. In other cells values may cross the level up to any even number of times more. If two cells have the corners of
+/// their common face in the same order, no ray near it misses the surface or crosses it twice. Where two parts of the surface touch, a
+/// ray crosses both. Immutable; safe to use from any thread.
 class MeshSurface {
  public:
-  /// Takes the cells that the surface passes.
-  explicit MeshSurface(std::vector<LevelCell> cells);
+  /// Takes the cells that the surface passes. They are numbered from 0, tetrahedra first.
+  MeshSurface(std::vector<LevelCell> tetrahedra, std::vector<LevelBentCell> others, LevelKind kind);
 
-  /// The crossing in one of the cells.
-  std::optional<MeshCrossing> crossing(uint32_t cell, const Ray& ray) const;
+  /// The crossings in one of the cells, by t.
+  std::vector<MeshCrossing> crossings(uint32_t cell, const Ray& ray) const;
   /// All crossings in `range`, by (t, cell).
   std::vector<MeshCrossing> along(const Ray& ray, Interval range = {}) const;
 
-  /// The unit vector towards higher levels; `flat` if the levels of the cell have no gradient.
-  glm::dvec3 upwards(uint32_t cell, glm::dvec3 flat) const;
+  /// The unit vector towards higher levels `aside` from a crossing; `flat` if the levels have no gradient there.
+  glm::dvec3 upwards(const MeshCrossing& crossing, glm::dvec3 flat, glm::dvec3 aside = glm::dvec3(0)) const;
   /// The value `aside` from a crossing, not beyond those at the corners of its cell.
   double valueNear(const MeshCrossing& crossing, glm::dvec3 aside) const;
 
-  const LevelCell& cell(uint32_t i) const { return cells_[i]; }
-  size_t cells() const { return cells_.size(); }
+  /// The largest magnitude of a coordinate of a cell's corners.
+  double farthest(uint32_t cell) const;
+  size_t cells() const { return tetrahedra_.size() + others_.size(); }
   /// Of the cells.
   const Bvh& tree() const { return *tree_; }
 
  private:
-  std::vector<LevelCell> cells_;
+  bool isBent(uint32_t cell) const { return cell >= tetrahedra_.size(); }
+  const LevelBentCell& bent(uint32_t cell) const { return others_[cell - tetrahedra_.size()]; }
+  std::vector<MeshCrossing> crossingsOfBent(uint32_t cell, const Ray& ray) const;
+
+  std::vector<LevelCell> tetrahedra_;
+  std::vector<LevelBentCell> others_;
+  LevelKind kind_;
   std::optional<Bvh> tree_;
 };
 

@@ -5,41 +5,26 @@
 #include <cmath>
 #include <glm/common.hpp>
 
+#include "core/reference/ray_frame.h"
+
 namespace gxy::reference {
-namespace {
-
-/// a d - b c to within two ulps of the result, so that its sign is that of the exact number (Jeannerod, Louvet and Muller 2013, after
-/// Kahan).
-double determinant(double a, double b, double c, double d) {
-  const double product = b * c;
-  return std::fma(a, d, -product) - std::fma(b, c, -product);
-}
-
-}  // namespace
 
 /// The corners are sheared so that the ray becomes the axis on which it is longest. Each face that the axis goes through gives a point:
 /// with the exact signs of the edges these are two or none.
 std::optional<std::array<FacePoint, 2>> passageThrough(const Tetrahedron& corners, const Ray& ray) {
-  const glm::dvec3 d = ray.direction;
-  int z = std::abs(d.x) >= std::abs(d.y) ? 0 : 1;
-  if (std::abs(d.z) > std::abs(d[z])) z = 2;
-  const int x = (z + 1) % 3, y = (z + 2) % 3;
-  const double sx = d[x] / d[z], sy = d[y] / d[z];
-  std::array<double, 4> px, py, t;
+  const RayFrame frame(ray);
+  std::array<glm::dvec3, 4> seen;
+  std::array<double, 4> t;
   for (size_t i = 0; i < 4; i++) {
-    const glm::dvec3 p = corners[i] - ray.origin;
-    px[i] = p[x] - sx * p[z];
-    py[i] = p[y] - sy * p[z];
-    t[i] = p[z] / d[z];
+    seen[i] = frame.sheared(corners[i]);
+    t[i] = seen[i].z;
   }
   std::array<std::array<double, 4>, 4> edge{}, side{};
   for (size_t i = 0; i < 4; i++) {
     for (size_t j = i + 1; j < 4; j++) {
-      const double e = determinant(px[i], py[i], px[j], py[j]);
-      // A ray that meets an edge counts as one beside it: a little to x, and less to y.
-      const double s = e != 0 ? e : py[i] != py[j] ? py[i] - py[j] : px[j] - px[i];
-      edge[i][j] = e, edge[j][i] = -e;
-      side[i][j] = s, side[j][i] = -s;
+      const SeenEdge one(seen[i], seen[j]);
+      edge[i][j] = one.area, edge[j][i] = -one.area;
+      side[i][j] = one.side, side[j][i] = -one.side;
     }
   }
   std::array<FacePoint, 2> points{};
@@ -64,7 +49,7 @@ std::optional<std::array<FacePoint, 2>> passageThrough(const Tetrahedron& corner
   return points;
 }
 
-Box boxAround(const Tetrahedron& corners) {
+Box boxAround(std::span<const glm::dvec3> corners) {
   Box box;
   for (const glm::dvec3& p : corners) box.extend(p);
   const glm::dvec3 size = box.hi - box.lo, far = glm::max(glm::abs(box.lo), glm::abs(box.hi));

@@ -5,6 +5,7 @@
 #include <array>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 
 #include "core/data/box.h"
 #include "core/reference/ray.h"
@@ -38,7 +39,7 @@ struct FacePoint {
 /// order, t and means have the same bits on both sides of it.
 std::optional<std::array<FacePoint, 2>> passageThrough(const Tetrahedron& corners, const Ray& ray);
 
-/// The box of a tetrahedron, widened beyond the rounding errors with which rays are compared with it.
-Box boxAround(const Tetrahedron& corners);
+/// The box of a cell, widened beyond the rounding errors with which rays are compared with it.
+Box boxAround(std::span<const glm::dvec3> corners);
 
 }  // namespace gxy::reference

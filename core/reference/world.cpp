@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/reference/world.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <span>
@@ -217,14 +218,15 @@ void World::nearestMeshSurface(int index, const Ray& ray, Interval range, const 
     surface.tree().traverse(
         ray, std::max(range.lo, last.t), [&] { return std::min(range.hi, best.t); },
         [&](uint32_t cell) {
-          const auto found = surface.crossing(cell, ray);
-          if (!found || !range.contains(found->t) || !(found->t < other)) return;
-          const bool again = found->t == last.t && index == last.vis && primitive == last.primitive;
-          if (again ? cell <= last.item : !isBehind(found->t, index, primitive, last)) return;
-          if (found->t > best.t || (found->t == best.t && cell >= best.item)) return;
-          best.t = found->t;
-          best.primitive = primitive;
-          best.item = cell;
+          for (const MeshCrossing& found : surface.crossings(cell, ray)) {
+            if (!range.contains(found.t) || !(found.t < other)) continue;
+            const bool again = found.t == last.t && index == last.vis && primitive == last.primitive;
+            if (again ? cell <= last.item : !isBehind(found.t, index, primitive, last)) continue;
+            if (found.t > best.t || (found.t == best.t && cell >= best.item)) continue;
+            best.t = found.t;
+            best.primitive = primitive;
+            best.item = cell;
+          }
         });
   }
 }
@@ -284,17 +286,15 @@ void World::describeMeshSurface(const ShownOperator& part, const Ray& ray, Surfa
   const Vis& vis = *part.vis;
   const MeshSurface& surface = part.surfaces[hit.primitive];
   const glm::dvec3 met = ray.at(hit.t);
-  double largest = 0;
-  for (const glm::dvec3& corner : surface.cell(hit.item).corners)
-    largest = std::max(largest, magnitude(corner));
-  hit.slack = std::max(hit.slack, 64 * std::numeric_limits<double>::epsilon() * largest);
+  hit.slack = std::max(hit.slack, 64 * std::numeric_limits<double>::epsilon() * surface.farthest(hit.item));
+  const auto crossings = surface.crossings(hit.item, ray);
+  const MeshCrossing& crossing = *std::ranges::find(crossings, hit.t, &MeshCrossing::t);
   if (hit.primitive >= vis.slices.size()) {
-    hit.normal = hit.geometric = -surface.upwards(hit.item, ray.direction);
+    hit.normal = hit.geometric = -surface.upwards(crossing, ray.direction, hit.position - met);
     hit.colour = part.transfer.colour(vis.isovalues[hit.primitive - vis.slices.size()]);
   } else {
     hit.normal = hit.geometric = glm::normalize(vis.slices[hit.primitive].normal);
-    const auto crossing = surface.crossing(hit.item, ray);
-    hit.colour = part.transfer.colour(surface.valueNear(*crossing, hit.position - met));
+    hit.colour = part.transfer.colour(surface.valueNear(crossing, hit.position - met));
   }
 }
 

@@ -21,7 +21,7 @@ inline std::shared_ptr<Mesh> meshOf(const MeshPiece& piece) {
   mesh->name = "test";
   mesh->components = piece.components;
   for (const glm::dvec3& p : piece.points) mesh->box.extend(p);
-  mesh->report.cells[kTets] = piece.cells.size();
+  for (const CellType type : kAllCellTypes) mesh->report.cells[size_t(type)] = piece.cells.size(type);
   MeshBlock& block = mesh->blocks[0];
   block.points = piece.points, block.values = piece.values, block.cells = piece.cells;
   return mesh;

@@ -54,7 +54,7 @@ TEST(MeshIsosurface, OfALinearFieldIsAPlane) {
         ASSERT_EQ(found.size(), 1u);
         EXPECT_NEAR(found[0].t, t, 1e-12 + 1e-15 / std::abs(glm::dot(kRise, ray.direction)));
         EXPECT_NEAR(found[0].value, isovalue, 1e-14);
-        EXPECT_LT(glm::length(surface.upwards(found[0].cell, {}) - glm::normalize(kRise)), 1e-10);
+        EXPECT_LT(glm::length(surface.upwards(found[0], {}) - glm::normalize(kRise)), 1e-10);
         hits++;
       } else if (t < 0 || !inBox(ray.at(t), -1e-9)) {
         EXPECT_EQ(found.size(), 0u);
@@ -162,7 +162,7 @@ TEST(MeshIsosurface, OfADistanceConvergesToASphere) {
       for (const MeshCrossing& hit : found) {
         const glm::dvec3 out = inward.at(hit.t) - centre;
         largest = std::max(largest, std::abs(glm::length(out) - 0.4));
-        EXPECT_GT(glm::dot(surface.upwards(hit.cell, {}), glm::normalize(out)), 1 - 3.0 / n);
+        EXPECT_GT(glm::dot(surface.upwards(hit, {}), glm::normalize(out)), 1 - 3.0 / n);
       }
       EXPECT_EQ(surface.along({centre, inward.direction}).size(), 1u);
     }
@@ -261,7 +261,7 @@ TEST(MeshIsosurface, IsFoundInSliversAndCellsOfBothOrientations) {
       const auto found = surface.along(towards({0.3, 0.3, 5}, {0.3, 0.3, 0}));
       ASSERT_EQ(found.size(), 1u);
       EXPECT_NEAR(found[0].t, 5 - 0.25 * h, 2e-15);
-      EXPECT_LT(glm::length(surface.upwards(0, {}) - glm::dvec3(0, 0, 1)), 1e-9);
+      EXPECT_LT(glm::length(surface.upwards(found[0], {}) - glm::dvec3(0, 0, 1)), 1e-9);
       EXPECT_EQ(surface.along(towards({0.3, 0.3, 5}, {0.9, 0.9, 0})).size(), 0u);
     }
   }
