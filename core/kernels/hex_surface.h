@@ -100,8 +100,10 @@ FN Surface hexSurface(OPERATOR op, uint p, vec3 o, vec3 d, real t) {
   f.start = 0u;
   vec4 c0 = hexLevel(op, p, 0), c1 = hexLevel(op, p, 1), c2 = hexLevel(op, p, 2), c3 = hexLevel(op, p, 3);
   vec4 c4 = hexLevel(op, p, 4), c5 = hexLevel(op, p, 5), c6 = hexLevel(op, p, 6), c7 = hexLevel(op, p, 7);
-  f.size = max1(max1(max1(largest3(placeOf(c0)), largest3(placeOf(c1))), max1(largest3(placeOf(c2)), largest3(placeOf(c3)))),
-                max1(max1(largest3(placeOf(c4)), largest3(placeOf(c5))), max1(largest3(placeOf(c6)), largest3(placeOf(c7)))));
+  f.size = max1(max1(max1(largest3(placeOf(c0)), largest3(placeOf(c1))),
+                     max1(largest3(placeOf(c2)), largest3(placeOf(c3)))),
+                max1(max1(largest3(placeOf(c4)), largest3(placeOf(c5))),
+                     max1(largest3(placeOf(c6)), largest3(placeOf(c7)))));
   Hexahedron h;
   h.c0 = from4(c0, f.point, c0.w), h.c1 = from4(c1, f.point, c1.w), h.c2 = from4(c2, f.point, c2.w);
   h.c3 = from4(c3, f.point, c3.w), h.c4 = from4(c4, f.point, c4.w), h.c5 = from4(c5, f.point, c5.w);
@@ -118,8 +120,10 @@ FN Surface hexSurface(OPERATOR op, uint p, vec3 o, vec3 d, real t) {
     if (!(dot3(f.normal, f.normal) >= R(0.5))) f.normal = unit3(make_v3(-d.x, -d.y, -d.z));
   }
   f.geometric = f.normal;
-  h.c0.w = hexValue(op, p, 0), h.c1.w = hexValue(op, p, 1), h.c2.w = hexValue(op, p, 2), h.c3.w = hexValue(op, p, 3);
-  h.c4.w = hexValue(op, p, 4), h.c5.w = hexValue(op, p, 5), h.c6.w = hexValue(op, p, 6), h.c7.w = hexValue(op, p, 7);
+  h.c0.w = hexValue(op, p, 0), h.c1.w = hexValue(op, p, 1), h.c2.w = hexValue(op, p, 2),
+  h.c3.w = hexValue(op, p, 3);
+  h.c4.w = hexValue(op, p, 4), h.c5.w = hexValue(op, p, 5), h.c6.w = hexValue(op, p, 6),
+  h.c7.w = hexValue(op, p, 7);
   vec4 there = trilinearIn(h, at);
   f.value = there.w;
   return f;

@@ -43,6 +43,69 @@ FN bool passesSide(FrameRay r, vec3 a, vec3 b, vec3 c, vec3 d, bool triangle, OU
   return sign != 0;
 }
 
+// The largest error that the value may have along a curve on a way of this length.
+FN real errorAllowed(MAP map, CellCurve c, CurveInMap lies, real range, real span, real tMin) {
+  real allowed = R(0.002) * range;
+  if (mapIsSmall(map) && lies.even) {
+    // Extinction and colours are linear in an interval.
+    MapPlace place = mapPlace(map, c.low);
+    int k = place.k;
+    MapPiece m = mapPiece(map, k);
+    vec3 low = colorAt(m, R(0.0)), high = colorAt(m, R(1.0));
+    real step = max(max(abs(high.x - low.x), abs(high.y - low.y)), abs(high.z - low.z));
+    real most = max(sigmaAt(m, R(0.0)), sigmaAt(m, R(1.0)));
+    real slope = (abs(sigmaAt(m, R(1.0)) - sigmaAt(m, R(0.0))) + step * most) * mapInverseLength(map, k);
+    allowed = tMin / max(slope * span, R(1e-30));
+  }
+  return max(allowed, R(1e-6) * range);
+}
+
+// Integrates the part from uFrom to uTo of the way through a hexahedron, from p to q, whose reference coordinates are `at` and `last`. If the
+// cubic of the way is not near enough to the field in its middle, the way is cut into equal pieces, whose ends Newton's method finds. Returns
+// whether the map shows something.
+FN bool integrateInHexahedron(MAP map, Hexahedron h, SidePoint p, vec3 at, SidePoint q, vec3 last,
+                              real length, real uFrom, real uTo, real span, real tMin, INOUT(vec3) rgb,
+                              INOUT(real) A) {
+  real low = lowestOf(h), high = highestOf(h);
+  CellCurve whole;
+  whole.cubic = cubicBetween(h, p, at, q, last, length, low, high);
+  whole.low = low;
+  whole.high = high;
+  CurveInMap lies = curveInMap(map, whole);
+  if (lies.seen) {
+    real middle = numberNear(h, middleOf(at, last, R(0.5)), lerp1(p.z, q.z, R(0.5)));
+    real error = abs(middle - bernsteinValue(whole.cubic, R(0.5)));
+    real allowed = errorAllowed(map, whole, lies, high - low, span, tMin);
+    real pieces = R(1.0);
+    if (error > allowed) pieces = min(ceil(sqrt(sqrt(error / allowed))), R(8.0));
+    SidePoint from = p;
+    vec3 place = at;
+    real i = R(0.0), part = R(1.0) / pieces;
+    while (i < pieces) {
+      SidePoint to = q;
+      vec3 then = last;
+      real u = i * part;
+      i += R(1.0);
+      if (i < pieces) {
+        to.z = lerp1(p.z, q.z, i * part);
+        then = towardsDepth(h, towardsDepth(h, middleOf(at, last, i * part), to.z), to.z);
+        vec4 there = trilinearIn(h, then);
+        to.value = there.w;
+      }
+      CellCurve curve;
+      curve.cubic = cubicBetween(h, from, place, to, then, length * part, low, high);
+      curve.low = min(min(curve.cubic.x, curve.cubic.y), min(curve.cubic.z, curve.cubic.w));
+      curve.high = max(max(curve.cubic.x, curve.cubic.y), max(curve.cubic.z, curve.cubic.w));
+      CurveInMap here = curveInMap(map, curve);
+      real a = clamp1((uFrom - u) * pieces, R(0.0), R(1.0)), b = clamp1((uTo - u) * pieces, R(0.0), R(1.0));
+      if (here.seen && b > a) addPart(map, curve, true, here, a, b, span * part, tMin, rgb, A);
+      from = to;
+      place = then;
+    }
+  }
+  return lies.seen;
+}
+
 // As walkMesh().
 FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMarch) w, INOUT(Radiance) L,
                       INOUT(int) samples, INOUT(int) cells) {
@@ -80,18 +143,12 @@ FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(Me
         // The two cells of a triangle have different coordinates in it.
         if (isTriangle(side, orders)) p = sidePoint(h, side, orders);
         real span = largest - before;
-        CellCurve curve;
-        curve.cubic = cubicBetween(h, p, referencePlace(orderedCorners(side, orders), p.u, p.v), q,
-                                   referencePlace(orderedCorners(next, orders), q.u, q.v),
-                                   span / r.frame.perDepth, lowestOf(h), highestOf(h));
-        curve.low = min(min(curve.cubic.x, curve.cubic.y), min(curve.cubic.z, curve.cubic.w));
-        curve.high = max(max(curve.cubic.x, curve.cubic.y), max(curve.cubic.z, curve.cubic.w));
-        CurveInMap lies = curveInMap(op.map, curve);
-        if (lies.seen) {
-          evaluated += 1;
-          addPart(op.map, curve, true, lies, (start - before) / span, to < largest ? (to - before) / span : R(1.0),
-                  span, m.tMin, rgb, A);
-        }
+        vec3 at = referencePlace(orderedCorners(side, orders), p.u, p.v);
+        vec3 last = referencePlace(orderedCorners(next, orders), q.u, q.v);
+        bool seen =
+            integrateInHexahedron(op.map, h, p, at, q, last, span / r.frame.perDepth, (start - before) / span,
+                                  to < largest ? (to - before) / span : R(1.0), span, m.tMin, rgb, A);
+        evaluated += seen ? 1 : 0;
       }
       if (to >= w.end || to >= m.tOut || R(1.0) - A < m.tMin) goes = false;
     }

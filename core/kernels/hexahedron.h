@@ -80,7 +80,8 @@ FN int timesPassed(uint signs) {
 // The first side with this sign.
 FN uint sideOfSign(uint signs, int sign) {
   uint found = 0u;
-  for (UNIFORM int k = HEX_SIDES - 1; k >= 0; k--) found = signOf(signs, toUint(k)) == sign ? toUint(k) : found;
+  for (UNIFORM int k = HEX_SIDES - 1; k >= 0; k--)
+    found = signOf(signs, toUint(k)) == sign ? toUint(k) : found;
   return found;
 }
 
@@ -88,7 +89,8 @@ FN uint sideOfSign(uint signs, int sign) {
 struct SidePoint {
   real z;      // in the frame
   real value;  // the trilinear number there
-  real u, v;   // the coordinates in the patch: from the first corner to the second one, and from there to the third one
+  real u,
+      v;  // the coordinates in the patch: from the first corner to the second one, and from there to the third one
 };
 
 // The share of x in x + y, which have the same sign but for rounding.
@@ -101,8 +103,9 @@ FN real bilinear(real a, real b, real c, real d, real u, real v) {
   return lerp1(lerp1(a, b, u), lerp1(d, c, u), v);
 }
 
-// The coordinate across the ray along which a side that is seen edge-on extends; the side is that if its `area`, or a bound of it, is no
-// more than rounding. Then the place where a ray passes it is taken on one of its edges, so that it is on the ray at least.
+// Whether a side is seen edge-on: its `area`, or a bound of it, is no more than rounding. The ray then runs in it, and is taken to pass it in
+// the middle of the way from one of its edges to another one, which is on the ray and between what lies before and behind.
+// alongX: whether it extends farther along x than along y.
 FN bool isEdgeOn(vec3 a, vec3 b, vec3 c, vec3 d, real area, OUT(bool) alongX) {
   real x = max1(max1(abs(a.x), abs(b.x)), max1(abs(c.x), abs(d.x)));
   real y = max1(max1(abs(a.y), abs(b.y)), max1(abs(c.y), abs(d.y)));
@@ -111,8 +114,33 @@ FN bool isEdgeOn(vec3 a, vec3 b, vec3 c, vec3 d, real area, OUT(bool) alongX) {
   return !(area > R(1e-6) * (size * size));
 }
 
-// Whether the ray meets the edge between places p and q on a line across it.
-FN bool meetsBetween(real p, real q) { return (p <= R(0.0)) != (q <= R(0.0)) || p == R(0.0) || q == R(0.0); }
+// Where the ray runs into a side and out of it: numbers that say where, and the depths.
+struct EdgesMet {
+  vec3 front, back;
+  real zFront, zBack;
+};
+
+// Looks at the edge whose ends are beside the ray by p and q, and which the ray meets, if it does, in `at` at z.
+FN void meetEdge(INOUT(EdgesMet) e, real p, real q, vec3 at, real z) {
+  bool meets = (p <= R(0.0)) != (q <= R(0.0)) || p == R(0.0) || q == R(0.0);
+  if (meets && z < e.zFront) {
+    e.zFront = z;
+    e.front = at;
+  }
+  if (meets && z > e.zBack) {
+    e.zBack = z;
+    e.back = at;
+  }
+}
+
+FN EdgesMet noEdges() {
+  EdgesMet e;
+  e.front = make_v3(R(0.33333333333333333), R(0.33333333333333333), R(0.33333333333333333));
+  e.back = e.front;
+  e.zFront = infinity();
+  e.zBack = -infinity();
+  return e;
+}
 
 // The point where the ray passes a patch whose corners are in its frame. It always finds one in the patch; there is one where the sign
 // of the patch is not 0.
@@ -125,10 +153,16 @@ FN SidePoint patchPoint(vec4 a, vec4 b, vec4 c, vec4 d) {
   SidePoint p;
   bool alongX;
   if (isEdgeOn(pa, pb, pc, pd, most, alongX)) {
-    real wa = alongX ? pa.x : pa.y, wb = alongX ? pb.x : pb.y, wc = alongX ? pc.x : pc.y, wd = alongX ? pd.x : pd.y;
-    bool ab = meetsBetween(wa, wb), bc = meetsBetween(wb, wc), cd = meetsBetween(wc, wd);
-    p.u = ab ? shareOf(wa, wb) : (bc ? R(1.0) : (cd ? shareOf(wd, wc) : R(0.0)));
-    p.v = ab ? R(0.0) : (bc ? shareOf(wb, wc) : (cd ? R(1.0) : shareOf(wa, wd)));
+    real wa = alongX ? pa.x : pa.y, wb = alongX ? pb.x : pb.y, wc = alongX ? pc.x : pc.y,
+         wd = alongX ? pd.x : pd.y;
+    real ab = shareOf(wa, wb), bc = shareOf(wb, wc), dc = shareOf(wd, wc), ad = shareOf(wa, wd);
+    EdgesMet e = noEdges();
+    meetEdge(e, wa, wb, make_v3(ab, R(0.0), R(0.0)), lerp1(pa.z, pb.z, ab));
+    meetEdge(e, wb, wc, make_v3(R(1.0), bc, R(0.0)), lerp1(pb.z, pc.z, bc));
+    meetEdge(e, wd, wc, make_v3(dc, R(1.0), R(0.0)), lerp1(pd.z, pc.z, dc));
+    meetEdge(e, wa, wd, make_v3(R(0.0), ad, R(0.0)), lerp1(pa.z, pd.z, ad));
+    p.u = R(0.5) * (e.front.x + e.back.x);
+    p.v = R(0.5) * (e.front.y + e.back.y);
   } else {
     real scale = R(1.0) / most;
     q0 = q0 * scale, q1 = q1 * scale, q2 = q2 * scale;
@@ -157,18 +191,16 @@ FN SidePoint trianglePoint(vec4 a, vec4 b, vec4 c) {
   bool alongX;
   if (isEdgeOn(pa, pb, pc, pc, sumOf(abs(sideA), abs(sideB), abs(sideC)), alongX)) {
     real wa = alongX ? pa.x : pa.y, wb = alongX ? pb.x : pb.y, wc = alongX ? pc.x : pc.y;
-    // On the edge that the ray meets first.
-    real atAB = meetsBetween(wa, wb) ? meanOf(shareOf(wb, wa), shareOf(wa, wb), R(0.0), a.z, b.z, c.z) : infinity();
-    real atBC = meetsBetween(wb, wc) ? meanOf(R(0.0), shareOf(wc, wb), shareOf(wb, wc), a.z, b.z, c.z) : infinity();
-    real atCA = meetsBetween(wc, wa) ? meanOf(shareOf(wc, wa), R(0.0), shareOf(wa, wc), a.z, b.z, c.z) : infinity();
-    real first = min1(min1(atAB, atBC), atCA);
-    bool ab = atAB == first;
-    bool bc = atBC == first && !ab;
-    if (first < infinity()) {
-      shareA = ab ? shareOf(wb, wa) : (bc ? R(0.0) : shareOf(wc, wa));
-      shareB = ab ? shareOf(wa, wb) : (bc ? shareOf(wc, wb) : R(0.0));
-      shareC = ab ? R(0.0) : (bc ? shareOf(wb, wc) : shareOf(wa, wc));
-    }
+    vec3 ab = make_v3(shareOf(wb, wa), shareOf(wa, wb), R(0.0)),
+         bc = make_v3(R(0.0), shareOf(wc, wb), shareOf(wb, wc));
+    vec3 ca = make_v3(shareOf(wc, wa), R(0.0), shareOf(wa, wc));
+    EdgesMet e = noEdges();
+    meetEdge(e, wa, wb, ab, meanOf(ab.x, ab.y, ab.z, a.z, b.z, c.z));
+    meetEdge(e, wb, wc, bc, meanOf(bc.x, bc.y, bc.z, a.z, b.z, c.z));
+    meetEdge(e, wc, wa, ca, meanOf(ca.x, ca.y, ca.z, a.z, b.z, c.z));
+    shareA = R(0.5) * (e.front.x + e.back.x);
+    shareB = R(0.5) * (e.front.y + e.back.y);
+    shareC = R(0.5) * (e.front.z + e.back.z);
   }
   SidePoint p;
   p.z = meanOf(shareA, shareB, shareC, a.z, b.z, c.z);
@@ -180,7 +212,8 @@ FN SidePoint trianglePoint(vec4 a, vec4 b, vec4 c) {
 
 FN SidePoint sidePoint(Hexahedron h, uint side, uint orders) {
   uint corners = orderedCorners(side, orders);
-  vec4 a = hexCorner(h, corners & 7u), b = hexCorner(h, (corners >> 4u) & 7u), c = hexCorner(h, (corners >> 8u) & 7u);
+  vec4 a = hexCorner(h, corners & 7u), b = hexCorner(h, (corners >> 4u) & 7u),
+       c = hexCorner(h, (corners >> 8u) & 7u);
   SidePoint p;
   if (isTriangle(side, orders))
     p = trianglePoint(a, b, c);
@@ -232,7 +265,9 @@ FN_OUTLINE uint pairedSide(Hexahedron h, uint orders, uint signs, uint from, INO
 // The reference coordinates of the place (u, v) in a side, given its corners in order.
 FN vec3 referencePlace(uint corners, real u, real v) {
   real w0 = (R(1.0) - u) * (R(1.0) - v), w1 = u * (R(1.0) - v), w2 = u * v, w3 = (R(1.0) - u) * v;
-  uint halves = corners ^ (corners >> 1u);  // its lowest bits say which corners are on the side of higher first coordinates
+  uint halves =
+      corners ^
+      (corners >> 1u);  // its lowest bits say which corners are on the side of higher first coordinates
   real x = ((halves & 0x1u) != 0u ? w0 : R(0.0)) + ((halves & 0x10u) != 0u ? w1 : R(0.0));
   real y = ((corners & 0x2u) != 0u ? w0 : R(0.0)) + ((corners & 0x20u) != 0u ? w1 : R(0.0));
   real z = ((corners & 0x4u) != 0u ? w0 : R(0.0)) + ((corners & 0x40u) != 0u ? w1 : R(0.0));
@@ -271,7 +306,8 @@ FN real slopeAlong(Hexahedron h, vec3 at, real otherwise) {
 
 // The number along the ray between two points of sides at these reference coordinates: Hermite's cubic, which has the right values and
 // slopes at both, but goes nowhere beyond the numbers at the corners. It is exact in parallelepipeds. `length`: of the way, in z.
-FN vec4 cubicBetween(Hexahedron h, SidePoint p, vec3 at, SidePoint q, vec3 to, real length, real low, real high) {
+FN vec4 cubicBetween(Hexahedron h, SidePoint p, vec3 at, SidePoint q, vec3 to, real length, real low,
+                     real high) {
   real third = length * R(0.33333333333333333), straight = (q.value - p.value) / length;
   return make_v4(p.value, clamp1(p.value + third * slopeAlong(h, at, straight), low, high),
                  clamp1(q.value - third * slopeAlong(h, to, straight), low, high), q.value);
@@ -296,7 +332,8 @@ FN vec3 coordinatesOfOrigin(Hexahedron h) {
   bool goes = true;
   for (UNIFORM int k = 0; k < 12; k++) {
     if (goes) {
-      vec3 by = solved(placeOf(derivativeX(h, at)), placeOf(derivativeY(h, at)), placeOf(derivativeZ(h, at)), placeOf(trilinearIn(h, at)));
+      vec3 by = solved(placeOf(derivativeX(h, at)), placeOf(derivativeY(h, at)), placeOf(derivativeZ(h, at)),
+                       placeOf(trilinearIn(h, at)));
       at = inCell(make_v3(at.x - by.x, at.y - by.y, at.z - by.z));
       goes = max1(max1(abs(by.x), abs(by.y)), abs(by.z)) > R(1e-6);
     }
@@ -304,10 +341,29 @@ FN vec3 coordinatesOfOrigin(Hexahedron h) {
   return at;
 }
 
+FN vec3 middleOf(vec3 a, vec3 b, real f) {
+  return make_v3(lerp1(a.x, b.x, f), lerp1(a.y, b.y, f), lerp1(a.z, b.z, f));
+}
+
+// One step of Newton's method from reference coordinates towards those of the point of the ray at depth z.
+FN vec3 towardsDepth(Hexahedron h, vec3 at, real z) {
+  vec4 p = trilinearIn(h, at);
+  vec3 by = solved(placeOf(derivativeX(h, at)), placeOf(derivativeY(h, at)), placeOf(derivativeZ(h, at)),
+                   make_v3(p.x, p.y, p.z - z));
+  return inCell(make_v3(at.x - by.x, at.y - by.y, at.z - by.z));
+}
+
+// About the number at the point of the ray at depth z, near reference coordinates.
+FN real numberNear(Hexahedron h, vec3 at, real z) {
+  vec4 there = trilinearIn(h, towardsDepth(h, at, z));
+  return there.w;
+}
+
 // The direction in which the number grows, times the volume of the reference cell there.
 FN vec3 scaledGradient(Hexahedron h, vec3 at, OUT(real) volume) {
   vec4 dx = derivativeX(h, at), dy = derivativeY(h, at), dz = derivativeZ(h, at);
-  vec3 yz = cross3(placeOf(dy), placeOf(dz)), zx = cross3(placeOf(dz), placeOf(dx)), xy = cross3(placeOf(dx), placeOf(dy));
+  vec3 yz = cross3(placeOf(dy), placeOf(dz)), zx = cross3(placeOf(dz), placeOf(dx)),
+       xy = cross3(placeOf(dx), placeOf(dy));
   volume = dot3(placeOf(dx), yz);
   return make_v3((dx.w * yz.x + dy.w * zx.x) + dz.w * xy.x, (dx.w * yz.y + dy.w * zx.y) + dz.w * xy.y,
                  (dx.w * yz.z + dy.w * zx.z) + dz.w * xy.z);

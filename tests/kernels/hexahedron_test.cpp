@@ -165,6 +165,7 @@ TEST(Hexahedron, SidesSeenEdgeOnAreMetOnTheRay) {
       p = glm::vec4(along * std::cos(angle), along * std::sin(angle), random.in(-1, 1), random.in(-1, 1));
     }
     const auto beside = [&](const glm::vec4& p) { return p.x * std::cos(angle) + p.y * std::sin(angle); };
+    c[3] = c[0] + c[2] - c[1];
     double low = 1, high = -1;
     const size_t corners = i % 2 ? 4 : 3;
     for (size_t k = 0; k < corners; k++)
