@@ -27,6 +27,11 @@ constexpr std::array<CellShape, kCellTypes> kShapes{{
 
 const CellShape& shapeOf(CellType type) { return kShapes[size_t(type)]; }
 
+const char* pluralOf(CellType type) {
+  constexpr std::array<const char*, kCellTypes> kPlurals{"tetrahedra", "pyramids", "wedges", "hexahedra"};
+  return kPlurals[size_t(type)];
+}
+
 size_t MeshCells::size() const {
   size_t all = 0;
   for (const CellType type : kAllCellTypes) all += size(type);

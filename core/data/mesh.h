@@ -36,6 +36,9 @@ struct CellShape {
 };
 const CellShape& shapeOf(CellType type);
 
+/// What cells of a type are called, for users: "tetrahedra".
+const char* pluralOf(CellType type);
+
 /// A face of a cell of a mesh. Every face of two cells has two of these.
 using FaceId = uint32_t;
 inline constexpr FaceId kNoFace = UINT32_MAX;

@@ -65,10 +65,11 @@ class BlockMaker {
   MeshBlock make(const Advance& advance) {
     placePoints(partOf(advance, 0, 4));
     collapseHexahedra();
-    orderCells<4>(CellType::Tetrahedron, partOf(advance, 1, 4));
-    orderCells<5>(CellType::Pyramid, advance);
-    orderCells<6>(CellType::Wedge, advance);
-    orderCells<8>(CellType::Hexahedron, advance);
+    const Advance ordering = partOf(advance, 1, 4);
+    orderCells<4>(CellType::Tetrahedron, partOf(ordering, 0, kCellTypes));
+    orderCells<5>(CellType::Pyramid, partOf(ordering, 1, kCellTypes));
+    orderCells<6>(CellType::Wedge, partOf(ordering, 2, kCellTypes));
+    orderCells<8>(CellType::Hexahedron, partOf(ordering, 3, kCellTypes));
     if (dropped_) dropUnusedPoints();
     countPoints();
     advance(0.5);

@@ -193,12 +193,19 @@ GeometrySummary::Array summariseArray(vtkDataArray* array, bool ofCells) {
   return summary;
 }
 
+/// Returns the type of VTK's lists of pieces with an extension; null if there is none.
+const char* typeOfXmlList(const std::string& extension) {
+  if (extension == ".pvtu") return "PUnstructuredGrid";
+  if (extension == ".pvts") return "PStructuredGrid";
+  if (extension == ".pvtr") return "PRectilinearGrid";
+  return extension == ".pvtp" ? "PPolyData" : nullptr;
+}
+
 }  // namespace
 
 std::vector<std::string> geometryPieces(const std::string& path) {
   const std::string extension = extensionOf(path);
-  if (extension == ".pvtu") return xmlPieces(path, "PUnstructuredGrid");
-  if (extension == ".pvtp") return xmlPieces(path, "PPolyData");
+  if (const char* type = typeOfXmlList(extension)) return xmlPieces(path, type);
   if (extension != ".part") return {path};
   std::vector<std::string> files;
   for (const GeometryPart& part : parsePart(readText(path), path)) files.push_back(beside(path, part.file));
@@ -206,10 +213,9 @@ std::vector<std::string> geometryPieces(const std::string& path) {
 }
 
 std::optional<ValuesWanted> valuesOfList(const std::string& path, std::optional<bool> wantedOfCells) {
-  const std::string extension = extensionOf(path);
-  if (extension != ".pvtu" && extension != ".pvtp") return {};
-  const auto [points, cells] =
-      arraysOfXmlList(path, extension == ".pvtu" ? "PUnstructuredGrid" : "PPolyData");
+  const char* type = typeOfXmlList(extensionOf(path));
+  if (!type) return {};
+  const auto [points, cells] = arraysOfXmlList(path, type);
   const std::optional<ChosenArray> chosen = chooseValues(points, cells, ValuesWanted({}, wantedOfCells));
   if (!chosen) return {};
   return ValuesWanted{chosen->name, chosen->ofCells, true};
@@ -302,6 +308,7 @@ GeometrySummary summariseGeometry(const std::string& path, const TakeMemory& toT
   const CellList list(set);
   for (vtkIdType cell = 0; cell < list.count(); ++cell) {
     const int type = list.type(cell);
+    ++summary.kinds[type];
     list.points(cell, ids);
     const uint64_t points = uint64_t(ids->GetNumberOfIds());
     if (isSolid(type))

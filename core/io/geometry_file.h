@@ -5,7 +5,7 @@
 // .vtk                  the same in VTK's legacy form
 // .ply .stl .obj .off   triangle meshes
 // .csv .xyz             points as lines of text, and atoms
-// .pvtu .pvtp .part     lists of such files (part_document.h)
+// .pvtu .pvtp .pvts .pvtr .part   lists of such files (part_document.h)
 //
 // - Particles are all points of a file.
 // - Path lines are its lines and polylines, with one segment for each pair of points.
@@ -22,6 +22,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,7 +47,8 @@ struct GeometryContent {
   std::vector<std::string> warnings;  ///< about flaws that do not prevent showing it, each with the path
 };
 
-/// Returns the files that contain the data: those that a .pvtu, .pvtp or .part lists, or the file itself.
+/// Returns the files that contain the data: those that a .pvtu, .pvtp, .pvts, .pvtr or .part
+/// lists, or the file itself.
 /// Throws Error for a list that is missing or malformed, or for an extension that is not listed above.
 std::vector<std::string> geometryPieces(const std::string& path);
 
@@ -69,8 +71,9 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
 /// A summary of a file for users: kinds and numbers of cells, and arrays with their ranges.
 struct GeometrySummary {
   uint64_t points = 0, vertices = 0, segments = 0, triangles = 0, others = 0;
-  uint64_t solids = 0;  ///< cells whose outer surface is shown
-  Box box;              ///< bounding box of the finite points
+  uint64_t solids = 0;            ///< cells whose outer surface is shown
+  std::map<int, uint64_t> kinds;  ///< all cells, ghosts too: CellKinds of mesh_kinds.h
+  Box box;                        ///< bounding box of the finite points
   struct Array {
     std::string name;
     std::string type;

@@ -19,7 +19,7 @@ struct LoadedGeometry {
   LeftOut leftOut;          ///< of the files that this rank has read
 };
 
-/// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp or .part, else all of
+/// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp, .pvts, .pvtr or .part, else all of
 /// the file. Unusable primitives (a coordinate that is not finite, triangles without area, repeated points of
 /// lines) are dropped and counted.
 /// Values are of the same array in all pieces. If `wanted` names it, each piece must have it; else it is the one that a .pvtu

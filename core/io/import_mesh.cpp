@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "core/comm/error.h"
@@ -244,11 +246,14 @@ std::string plural(uint64_t count, const char* one, const char* several) {
 
 bool isMeshFile(const std::string& path) {
   const std::string extension = extensionOf(path);
-  if (extension != ".vtk") return extension == ".vtu" || extension == ".pvtu" || extension == ".part";
+  constexpr std::array<std::string_view, 7> kEndings{".vtu",  ".vts",  ".vtr", ".pvtu",
+                                                     ".pvts", ".pvtr", ".part"};
+  if (extension != ".vtk") return std::find(kEndings.begin(), kEndings.end(), extension) != kEndings.end();
   const File file = File::open(path);
   std::string head(size_t(std::min(file.size(), int64_t(1024))), '\0');
   file.readAt(0, std::as_writable_bytes(std::span(head)));
-  return legacyDatasetType(head) == "UNSTRUCTURED_GRID";
+  const std::string type = legacyDatasetType(head);
+  return type == "UNSTRUCTURED_GRID" || type == "STRUCTURED_GRID" || type == "RECTILINEAR_GRID";
 }
 
 LoadedMesh loadMesh(const std::string& path, const std::string& array, Collectives& ranks,

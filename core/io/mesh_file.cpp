@@ -12,10 +12,10 @@
 #include <limits>
 
 #include "core/comm/error.h"
-#include "core/io/cell_list.h"
 #include "core/io/file.h"
 #include "core/io/flaws.h"
 #include "core/io/listed_arrays.h"
+#include "core/io/volume_cells.h"
 #include "core/io/vtk_geometry.h"
 #include "core/io/vtk_scalars.h"
 
@@ -28,7 +28,7 @@ constexpr unsigned char kLeftOut = vtkDataSetAttributes::DUPLICATECELL | vtkData
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
 /// Returns the array of values among the arrays that have been read.
-vtkDataArray* valuesOf(vtkUnstructuredGrid* grid, const std::string& wanted, const std::string& path) {
+vtkDataArray* valuesOf(vtkPointSet* grid, const std::string& wanted, const std::string& path) {
   const ListedArrays points = listOf(grid->GetPointData()), cells = listOf(grid->GetCellData());
   if (const auto chosen = chooseValues(points, cells, ValuesWanted(wanted, false)))
     return grid->GetPointData()->GetArray(chosen->name.c_str());
@@ -45,7 +45,7 @@ vtkDataArray* valuesOf(vtkUnstructuredGrid* grid, const std::string& wanted, con
 
 class MeshReader {
  public:
-  MeshReader(vtkUnstructuredGrid* grid, const std::string& path)
+  MeshReader(vtkPointSet* grid, const std::string& path)
       : grid_(grid),
         path_(path),
         list_(grid),
@@ -152,9 +152,9 @@ class MeshReader {
     }
   }
 
-  vtkUnstructuredGrid* const grid_;
+  vtkPointSet* const grid_;
   const std::string& path_;
-  const CellList list_;
+  const VolumeCells list_;
   vtkUnsignedCharArray *const ghosts_, *const hidden_;
   const vtkSmartPointer<vtkIdList> ids_ = vtkSmartPointer<vtkIdList>::New();  // points of the current cell
   std::vector<uint32_t> numberOf_;                                            // by point of the file
@@ -168,10 +168,10 @@ MeshContent readMesh(const std::string& path, const MeshWanted& wanted, const Ta
   LeftOut leftOut;
   const vtkSmartPointer<vtkPointSet> set =
       readPointSet(path, toTake, ArraysNeeded{ValuesWanted(wanted.array, false), false}, &leftOut);
-  const auto grid = vtkUnstructuredGrid::SafeDownCast(set);
-  if (!grid)
-    throw Error(path + ": expected an unstructured grid, as .vtu or .vtk, found " + set->GetClassName());
-  MeshContent content = MeshReader(grid, path).read(wanted, toTake);
+  if (!vtkUnstructuredGrid::SafeDownCast(set) && !vtkStructuredGrid::SafeDownCast(set))
+    throw Error(path + ": expected an unstructured, structured or rectilinear grid, found " +
+                set->GetClassName());
+  MeshContent content = MeshReader(set, path).read(wanted, toTake);
   content.leftOut = leftOut;
   return content;
 }

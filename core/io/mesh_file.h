@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads unstructured volumes: cells with a volume and values at their points.
 //
-// .vtu    VTK XML unstructured grids, any encoding
-// .vtk    the same in VTK's legacy form
-// .pvtu .part   lists of such files
+// .vtu .vts .vtr   VTK XML unstructured, structured (curvilinear) and rectilinear grids, any encoding
+// .vtk             the same in VTK's legacy form
+// .pvtu .pvts .pvtr .part   lists of such files
 //
-// Tetrahedra, pyramids, wedges, hexahedra and voxels are read. Cells of lower dimension are left out and counted. An array vtkGhostType marks cells that are left out
+// Tetrahedra, pyramids, wedges, hexahedra and voxels are read. Cells of lower dimension are left out and counted. Structured
+// and rectilinear grids are hexahedra between their points. An array vtkGhostType marks cells that are left out
 // and counted, too, which are duplicate, refined and hidden ones, and hidden points, which have no data.
 #pragma once
 #include <cstdint>
@@ -21,7 +22,8 @@
 
 namespace gxy {
 
-/// Whether a file is an unstructured grid, or a list of such, if it is to be a volume: by its ending, and of .vtk by its DATASET line.
+/// Whether a file is an unstructured, structured or rectilinear grid, or a list of such, if it is to be a volume: by its ending, and of
+/// .vtk by its DATASET line.
 bool isMeshFile(const std::string& path);
 
 /// What is wanted of a file.

@@ -21,7 +21,8 @@ std::vector<std::string> filesOpenedFor(const std::string& path) {
       files = {beside(path, header->dataFile)};
   } else if (extension == ".pvti")
     files = xmlPieces(path, "PImageData");
-  else if (extension == ".pvtu" || extension == ".pvtp" || extension == ".part")
+  else if (extension == ".pvtu" || extension == ".pvtp" || extension == ".pvts" || extension == ".pvtr" ||
+           extension == ".part")
     files = geometryPieces(path);
   if (files.size() > size_t(1) << 20)
     throw Error(path + ": it refers to " + std::to_string(files.size()) + " files, expected at most 2^20");

@@ -60,8 +60,8 @@ bool isVolumeFile(const std::string& path) {
 
 std::string readableFormats() {
   return "volumes as .vti .pvti .vtk .vol .json .mha .mhd .nrrd .nhdr .nii .nii.gz .npy, geometry as .vtu "
-         ".pvtu .vtp .pvtp .vts .vtr .vtk .ply .stl .obj .off .csv .xyz .part, unstructured volumes of "
-         "tetrahedra as .vtu .pvtu .vtk .part";
+         ".pvtu .vtp .pvtp .vts .pvts .vtr .pvtr .vtk .ply .stl .obj .off .csv .xyz .part, unstructured, "
+         "curvilinear and rectilinear volumes as .vtu .pvtu .vts .pvts .vtr .pvtr .vtk .part";
 }
 
 VolumeFile openVolume(const std::string& path, const std::string& array) {

@@ -203,8 +203,9 @@ VtkXml::VtkXml(const std::string& path, const char* type)
       parser_(vtkSmartPointer<Parser>::New()) {
   const VtkMessages messages;
   parser_->SetStream(stream_.get());
-  if (type == std::string_view("PUnstructuredGrid") || type == std::string_view("PPolyData"))
-    of(parser_).listPieces();
+  constexpr std::array<std::string_view, 4> kLists{"PUnstructuredGrid", "PPolyData", "PStructuredGrid",
+                                                   "PRectilinearGrid"};
+  if (std::find(kLists.begin(), kLists.end(), type) != kLists.end()) of(parser_).listPieces();
   const bool parsed = parser_->Parse();
   of(parser_).rethrow();
   if (of(parser_).endedEarly())
@@ -311,6 +312,20 @@ bool VtkXml::checkText(vtkXMLDataElement* array) const {
     cut = text.atTag();
   }
   return cut && !finite;
+}
+
+void VtkXml::checkFileHolds(vtkXMLDataElement* array, int64_t bytes) const {
+  if (isText(array)) {
+    const auto type = scalarOfXmlWord(attribute(array, "type"));
+    const int64_t characters = endOfText(array, file_->size()) - array->GetXMLByteIndex();
+    // Each number has at least a digit, and a space before the next.
+    if (const int64_t values = type ? bytes / int64_t(bytesOf(*type)) : 0; values > (characters + 1) / 2)
+      fail(array, "has " + std::to_string(values) + " values, more than its " + std::to_string(characters) +
+                      " characters can be");
+  } else if (!compressed() && bytes > file_->size()) {
+    fail(array, "has " + std::to_string(bytes) + " bytes, more than the file, which has " +
+                    std::to_string(file_->size()));
+  }
 }
 
 void VtkXml::checkCompressed(vtkXMLDataElement* array, int64_t bytes) const {

@@ -44,7 +44,7 @@ class VtkXml {
   bool compressed() const;
   int64_t headerWordBytes() const;
   bool swapsBytes() const;  ///< the file's byte order is not this machine's
-  /// For a list of geometry (PUnstructuredGrid, PPolyData), the attributes Source of its <Piece> elements.
+  /// For a list of cells (PUnstructuredGrid, PPolyData, PStructuredGrid, PRectilinearGrid), the attributes Source of its <Piece> elements.
   /// There may be any number of them, and they are not elements of data(). Empty for other files.
   const std::vector<std::string>& listedPieces() const;
 
@@ -59,6 +59,8 @@ class VtkXml {
   int64_t statedBytes(vtkXMLDataElement* array, int64_t tuples) const;
   /// Throws Error if the array is compressed and its decompressed size is not `bytes`.
   void checkCompressed(vtkXMLDataElement* array, int64_t bytes) const;
+  /// Throws Error if the array is not compressed and the file is too short for its `bytes` bytes.
+  void checkFileHolds(vtkXMLDataElement* array, int64_t bytes) const;
   /// Throws Error if a word of an array in text form is not a number; VTK's reader takes 1.0-101 for two
   /// numbers. Returns whether the text ends with NaN or infinity directly before its end tag: VTK's reader
   /// does not read these there, so a space must be inserted.

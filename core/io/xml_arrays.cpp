@@ -146,6 +146,7 @@ void XmlArrays::addLattice(vtkXMLDataElement* piece) {
     for (int a = 0; a < group->GetNumberOfNestedElements(); ++a) {
       vtkXMLDataElement* array = group->GetNestedElement(a);
       const int64_t bytes = xml_.statedBytes(array, n[size_t(std::min(a, 2))]);
+      xml_.checkFileHolds(array, bytes);
       xml_.checkCompressed(array, bytes);
       needsSpaces_ |= xml_.checkText(array);
       add(bytes, 1);
@@ -168,6 +169,7 @@ void XmlArrays::addArrays(vtkXMLDataElement* group, int64_t tuples) {
       continue;
     }
     const int64_t bytes = xml_.statedBytes(array, tuples);
+    xml_.checkFileHolds(array, bytes);
     xml_.checkCompressed(array, bytes);
     needsSpaces_ |= xml_.checkText(array);
     add(bytes, 1);
@@ -183,6 +185,7 @@ void XmlArrays::addCells(vtkXMLDataElement* group, int64_t cells) {
     needsSpaces_ |= xml_.checkText(array);
     if (name == "offsets" || name == "types" || name == "faceoffsets") {
       bytes = xml_.statedBytes(array, cells);
+      xml_.checkFileHolds(array, bytes);
       xml_.checkCompressed(array, bytes);
     } else if (name == "connectivity" || name == "faces") {
       bytes = xml_.dataBytes(array);  // Its length is the last offset, which is not known yet.

@@ -179,8 +179,10 @@ FN void addPieces(MAP map, CellCurve c, real turns0, real turns1, real uFrom, re
 
 // The same through a map of few intervals, without sums. A piece also ends where the value leaves its
 // interval, at a root of the cubic. So steps of the map are where they should be, however long segments are.
-FN void addPiecesOfFew(MAP map, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span,
-                       real tMin, INOUT(vec3) rgb, INOUT(real) A) {
+// `bows`: the value may be far from linear. Then a piece has the means of extinction and colour, which are linear
+// in an interval, along the cubic.
+FN void addPiecesOfFew(MAP map, CellCurve c, UNIFORM bool bows, real turns0, real turns1, real uFrom,
+                       real uTo, real span, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real from = uFrom, s = valueOn(c, uFrom);
   MapPlace place = mapPlace(map, s);
   int k = place.k;
@@ -218,8 +220,14 @@ FN void addPiecesOfFew(MAP map, CellCurve c, real turns0, real turns1, real uFro
     addMean(sigmaAt(m, f0), sigmaAt(m, f1), front, back, R(1.0), sigma, source);
     real perSigma = sigma > R(0.0) ? R(1.0) / sigma : R(0.0);
     vec3 color = make_v3(source.x * perSigma, source.y * perSigma, source.z * perSigma);
-    more =
-        addPiece(sigma * (part * span), color, front, back, R(0.0), R(0.0), part <= smallest, tMin, rgb, A);
+    if (bows) {  // Simpson's rule is exact for the mean of a cubic
+      real middle = clamp1((valueOn(c, from + R(0.5) * part) - mapNode(map, k)) * mapInverseLength(map, k), R(0.0), R(1.0));
+      real off = R(0.66666666666666667) * (middle - R(0.5) * (f0 + f1));
+      vec3 low = colorAt(m, R(0.0)), high = colorAt(m, R(1.0));
+      sigma = max(sigma + off * (sigmaAt(m, R(1.0)) - sigmaAt(m, R(0.0))), R(0.0));
+      color = make_v3(color.x + off * (high.x - low.x), color.y + off * (high.y - low.y), color.z + off * (high.z - low.z));
+    }
+    more = addPiece(sigma * (part * span), color, front, back, R(0.0), R(0.0), part <= smallest, tMin, rgb, A);
     if (more) {
       most = R(0.5) * part;
     } else {
@@ -261,11 +269,11 @@ FN CurveInMap curveInMap(MAP map, CellCurve c) {
   return lies;
 }
 
-// Adds the part from uFrom to uTo of a curve, which is `span` long in all.
-FN void addPart(MAP map, CellCurve c, CurveInMap lies, real uFrom, real uTo, real span, real tMin,
-                INOUT(vec3) rgb, INOUT(real) A) {
+// Adds the part from uFrom to uTo of a curve, which is `span` long in all. `bows`: addPiecesOfFew().
+FN void addPart(MAP map, CellCurve c, UNIFORM bool bows, CurveInMap lies, real uFrom, real uTo, real span,
+                real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   if (mapIsSmall(map))
-    addPiecesOfFew(map, c, lies.turns0, lies.turns1, uFrom, uTo, span, tMin, rgb, A);
+    addPiecesOfFew(map, c, bows, lies.turns0, lies.turns1, uFrom, uTo, span, tMin, rgb, A);
   else
     addPieces(map, c, lies.turns0, lies.turns1, uFrom, uTo, span, tMin, rgb, A);
 }

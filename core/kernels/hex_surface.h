@@ -41,14 +41,17 @@ FN real levelRootBetween(FrameRay r, Hexahedron h, uint orders, uint from, uint 
     for (UNIFORM int k = 0; k < 3; k++) {
       real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
       real fz = z < R(1.0) ? bernsteinValue(cubic, z) : cubic.w;
-      if (!(t < NO_HIT) && z > a && (fa > R(0.0)) != (fz > R(0.0)) && lerp1(tp, tq, z) > tAfter) {
-        real u = refineRoot(cubic, a, z, fa, fz, ROOT_TOLERANCE);
+      // The root may move by a quarter of the way.
+      bool behind = lerp1(tp, tq, min1(z + R(0.3), R(1.0))) > tAfter;
+      if (!(t < NO_HIT) && z > a && (fa > R(0.0)) != (fz > R(0.0)) && behind) {
+        Bracket bracket;
+        bracket.lo = a, bracket.hi = z, bracket.fLo = fa, bracket.fHi = fz;
+        real u = rootIn(cubic, bracket);
         vec3 met = make_v3(lerp1(at.x, next.x, u), lerp1(at.y, next.y, u), lerp1(at.z, next.z, u));
         met = towardsSurface(h, met);
         met = towardsSurface(h, towardsSurface(h, met));
         vec4 there = trilinearIn(h, met);
         real exact = there.z * r.frame.perDepth, root = lerp1(tp, tq, u);
-        // It is taken if it is nearer to the ray and to the surface than where the cubic is 0.
         bool close = exact >= tp && exact <= tq && abs(exact - root) <= R(0.25) * (tq - tp);
         root = clamp1(close ? exact : root, tp, tq);
         if (root > tAfter) t = root;

@@ -89,7 +89,7 @@ FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(Me
         CurveInMap lies = curveInMap(op.map, curve);
         if (lies.seen) {
           evaluated += 1;
-          addPart(op.map, curve, lies, (start - before) / span, to < largest ? (to - before) / span : R(1.0),
+          addPart(op.map, curve, true, lies, (start - before) / span, to < largest ? (to - before) / span : R(1.0),
                   span, m.tMin, rgb, A);
         }
       }

@@ -101,6 +101,19 @@ FN real bilinear(real a, real b, real c, real d, real u, real v) {
   return lerp1(lerp1(a, b, u), lerp1(d, c, u), v);
 }
 
+// The coordinate across the ray along which a side that is seen edge-on extends; the side is that if its `area`, or a bound of it, is no
+// more than rounding. Then the place where a ray passes it is taken on one of its edges, so that it is on the ray at least.
+FN bool isEdgeOn(vec3 a, vec3 b, vec3 c, vec3 d, real area, OUT(bool) alongX) {
+  real x = max1(max1(abs(a.x), abs(b.x)), max1(abs(c.x), abs(d.x)));
+  real y = max1(max1(abs(a.y), abs(b.y)), max1(abs(c.y), abs(d.y)));
+  alongX = x >= y;
+  real size = max1(x, y);
+  return !(area > R(1e-6) * (size * size));
+}
+
+// Whether the ray meets the edge between places p and q on a line across it.
+FN bool meetsBetween(real p, real q) { return (p <= R(0.0)) != (q <= R(0.0)) || p == R(0.0) || q == R(0.0); }
+
 // The point where the ray passes a patch whose corners are in its frame. It always finds one in the patch; there is one where the sign
 // of the patch is not 0.
 FN SidePoint patchPoint(vec4 a, vec4 b, vec4 c, vec4 d) {
@@ -109,18 +122,26 @@ FN SidePoint patchPoint(vec4 a, vec4 b, vec4 c, vec4 d) {
   // The ray is beside the line from (u, 0) to (u, 1) by q0 (1 - u)^2 + q1 u (1 - u) + q2 u^2.
   real q0 = sideOf(pa, pd), q1 = sideOf(pa, pc) + sideOf(pb, pd), q2 = sideOf(pb, pc);
   real most = max1(max1(abs(q0), abs(q2)), abs(q1));
-  real scale = R(1.0) / (most > R(0.0) ? most : R(1.0));
-  q0 = q0 * scale, q1 = q1 * scale, q2 = q2 * scale;
-  real root = sqrt(max1(q1 * q1 - R(4.0) * (q0 * q2), R(0.0)));
-  root = sign < 0 ? -root : root;
-  bool alike = (q1 <= R(0.0)) == (root >= R(0.0));
-  real far = alike ? root - q1 : -(root + q1);
   SidePoint p;
-  p.u = alike ? shareOf(far, q2 + q2) : shareOf(q0 + q0, far);
-  real nearX = lerp1(pa.x, pb.x, p.u), nearY = lerp1(pa.y, pb.y, p.u);
-  real farX = lerp1(pd.x, pc.x, p.u), farY = lerp1(pd.y, pc.y, p.u);
-  bool alongX = abs(farX - nearX) >= abs(farY - nearY);
-  p.v = shareOf(alongX ? nearX : nearY, alongX ? farX : farY);
+  bool alongX;
+  if (isEdgeOn(pa, pb, pc, pd, most, alongX)) {
+    real wa = alongX ? pa.x : pa.y, wb = alongX ? pb.x : pb.y, wc = alongX ? pc.x : pc.y, wd = alongX ? pd.x : pd.y;
+    bool ab = meetsBetween(wa, wb), bc = meetsBetween(wb, wc), cd = meetsBetween(wc, wd);
+    p.u = ab ? shareOf(wa, wb) : (bc ? R(1.0) : (cd ? shareOf(wd, wc) : R(0.0)));
+    p.v = ab ? R(0.0) : (bc ? shareOf(wb, wc) : (cd ? R(1.0) : shareOf(wa, wd)));
+  } else {
+    real scale = R(1.0) / most;
+    q0 = q0 * scale, q1 = q1 * scale, q2 = q2 * scale;
+    real root = sqrt(max1(q1 * q1 - R(4.0) * (q0 * q2), R(0.0)));
+    root = sign < 0 ? -root : root;
+    bool alike = (q1 <= R(0.0)) == (root >= R(0.0));
+    real far = alike ? root - q1 : -(root + q1);
+    p.u = alike ? shareOf(far, q2 + q2) : shareOf(q0 + q0, far);
+    real nearX = lerp1(pa.x, pb.x, p.u), nearY = lerp1(pa.y, pb.y, p.u);
+    real farX = lerp1(pd.x, pc.x, p.u), farY = lerp1(pd.y, pc.y, p.u);
+    bool byX = abs(farX - nearX) >= abs(farY - nearY);
+    p.v = shareOf(byX ? nearX : nearY, byX ? farX : farY);
+  }
   p.z = bilinear(pa.z, pb.z, pc.z, pd.z, p.u, p.v);
   p.value = bilinear(a.w, b.w, c.w, d.w, p.u, p.v);
   return p;
@@ -130,8 +151,25 @@ FN SidePoint patchPoint(vec4 a, vec4 b, vec4 c, vec4 d) {
 // fourth corner are c.
 FN SidePoint trianglePoint(vec4 a, vec4 b, vec4 c) {
   vec3 pa = placeOf(a), pb = placeOf(b), pc = placeOf(c);
+  real sideA = sideOf(pb, pc), sideB = sideOf(pc, pa), sideC = sideOf(pa, pb);
   real shareA, shareB, shareC;
-  triangleShares(sideOf(pb, pc), sideOf(pc, pa), sideOf(pa, pb), shareA, shareB, shareC);
+  triangleShares(sideA, sideB, sideC, shareA, shareB, shareC);
+  bool alongX;
+  if (isEdgeOn(pa, pb, pc, pc, sumOf(abs(sideA), abs(sideB), abs(sideC)), alongX)) {
+    real wa = alongX ? pa.x : pa.y, wb = alongX ? pb.x : pb.y, wc = alongX ? pc.x : pc.y;
+    // On the edge that the ray meets first.
+    real atAB = meetsBetween(wa, wb) ? meanOf(shareOf(wb, wa), shareOf(wa, wb), R(0.0), a.z, b.z, c.z) : infinity();
+    real atBC = meetsBetween(wb, wc) ? meanOf(R(0.0), shareOf(wc, wb), shareOf(wb, wc), a.z, b.z, c.z) : infinity();
+    real atCA = meetsBetween(wc, wa) ? meanOf(shareOf(wc, wa), R(0.0), shareOf(wa, wc), a.z, b.z, c.z) : infinity();
+    real first = min1(min1(atAB, atBC), atCA);
+    bool ab = atAB == first;
+    bool bc = atBC == first && !ab;
+    if (first < infinity()) {
+      shareA = ab ? shareOf(wb, wa) : (bc ? R(0.0) : shareOf(wc, wa));
+      shareB = ab ? shareOf(wa, wb) : (bc ? shareOf(wc, wb) : R(0.0));
+      shareC = ab ? R(0.0) : (bc ? shareOf(wb, wc) : shareOf(wa, wc));
+    }
+  }
   SidePoint p;
   p.z = meanOf(shareA, shareB, shareC, a.z, b.z, c.z);
   p.value = meanOf(shareA, shareB, shareC, a.w, b.w, c.w);

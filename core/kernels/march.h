@@ -83,7 +83,7 @@ FN_OUTLINE void integrateCells(MAP map, VOLUME v, VolumeRay r, MarchRange m, rea
         } else {
           evaluated += 1;
           real uTo = b < tc ? (b - ta) / span : R(1.0);
-          addPart(map, curve, lies, u, uTo, span, m.tMin, rgb, A);
+          addPart(map, curve, false, lies, u, uTo, span, m.tMin, rgb, A);
           u = uTo;
           a = b;
           if (b >= end || R(1.0) - A < m.tMin) go = false;

@@ -80,6 +80,7 @@ json told(const MeshReport& report) {
   const auto add = [&](const char* name, uint64_t count) {
     if (count > 0) told[name] = count;
   };
+  for (const CellType type : kAllCellTypes) add(pluralOf(type), report.cells[size_t(type)]);
   add("flat cells", report.flatCells);
   add("ghost cells", report.ghostCells);
   add("repeated cells", report.repeatedCells);

@@ -115,7 +115,9 @@ TEST(MeshFile, LegacyFilesAreReadToo) {
   EXPECT_TRUE(isMeshFile(folder / "tet.vtk"));
   EXPECT_FALSE(isMeshFile(folder / "lattice.vtk"));
   EXPECT_TRUE(isMeshFile("any.vtu") && isMeshFile("any.pvtu") && isMeshFile("any.part"));
-  EXPECT_FALSE(isMeshFile("any.vti") || isMeshFile("any.vts") || isMeshFile("any.vtp"));
+  EXPECT_TRUE(isMeshFile("any.vts") && isMeshFile("any.pvts") && isMeshFile("any.vtr") &&
+              isMeshFile("any.pvtr"));
+  EXPECT_FALSE(isMeshFile("any.vti") || isMeshFile("any.vtp") || isMeshFile("any.pvtp"));
   const Imported imported = import(folder / "tet.vtk");
   ASSERT_EQ(imported.errors[0], "");
   EXPECT_EQ(imported.mesh.name, "tet:heat");
@@ -210,7 +212,8 @@ TEST(MeshFile, AFileWithoutVolumeSaysWhatItHas) {
   triangle.triangles = {{0, 1, 2}};
   triangle.ids = {0};
   writeGeometry(folder / "surface.vtp", triangle, GeometryKind::Triangles);
-  expectText(import(folder / "surface.vtp").errors[0], "expected an unstructured grid");
+  expectText(import(folder / "surface.vtp").errors[0],
+             "expected an unstructured, structured or rectilinear grid, found vtkPolyData");
 }
 
 TEST(MeshFile, DefectsAreCountedAndTold) {

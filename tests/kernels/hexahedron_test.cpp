@@ -153,6 +153,39 @@ TEST(Hexahedron, CubicsAreExactInParallelepipeds) {
   EXPECT_GT(checked, 2000);
 }
 
+// A side that the ray runs in: the place is on the ray, so that nothing lies beside what it meets.
+TEST(Hexahedron, SidesSeenEdgeOnAreMetOnTheRay) {
+  Random random(7);
+  int met = 0;
+  for (int i = 0; i < 20000; i++) {
+    std::array<glm::vec4, 4> c;
+    const double angle = random.in(0, 7);
+    for (glm::vec4& p : c) {
+      const double along = random.below(5) == 0 ? 0 : random.in(-1, 1);
+      p = glm::vec4(along * std::cos(angle), along * std::sin(angle), random.in(-1, 1), random.in(-1, 1));
+    }
+    const auto beside = [&](const glm::vec4& p) { return p.x * std::cos(angle) + p.y * std::sin(angle); };
+    double low = 1, high = -1;
+    const size_t corners = i % 2 ? 4 : 3;
+    for (size_t k = 0; k < corners; k++)
+      low = std::min(low, beside(c[k])), high = std::max(high, beside(c[k]));
+    if (low > 0 || high < 0) continue;
+    met++;
+    const auto p =
+        corners == 4 ? single::patchPoint(c[0], c[1], c[2], c[3]) : single::trianglePoint(c[0], c[1], c[2]);
+    const glm::vec4 last = corners == 4 ? c[3] : c[2];
+    const glm::vec4 there =
+        single::lerp4(single::lerp4(c[0], c[1], p.u), single::lerp4(last, c[2], p.u), p.v);
+    ASSERT_LT(std::abs(there.x) + std::abs(there.y), 1e-5) << i;
+    ASSERT_NEAR(there.z, p.z, 1e-5);
+    ASSERT_NEAR(there.w, p.value, 1e-5);
+    if (corners == 4) continue;
+    const auto q = single::trianglePoint(c[2], c[0], c[1]), r = single::trianglePoint(c[1], c[0], c[2]);
+    ASSERT_TRUE(p.z == q.z && p.value == q.value && p.z == r.z && p.value == r.value) << i;
+  }
+  EXPECT_GT(met, 8000);
+}
+
 // Wedges, pyramids and tetrahedra: what is linear in space is linear along the ray.
 TEST(Hexahedron, LinearNumbersAreLinearAlongRaysWithRepeatedCorners) {
   Random random(6);

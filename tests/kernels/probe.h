@@ -234,8 +234,12 @@ FN real probeHexahedron(int f, uint i) {
     h.c7 = h.c6;
     orders = (orders & 0x777u) | 0x880000u;
   }
+  if ((i & 7u) == 1u) {  // sides 1 and 2 are seen edge-on, and the ray is in one of them
+    h.c1.x = h.c2.x, h.c5.x = h.c2.x, h.c6.x = h.c2.x;
+    h.c0.y = R(0.0), h.c1.y = R(0.0), h.c5.y = R(0.0), h.c4.y = R(0.0);
+  }
   uint signs = sideSigns(h);
-  if (f == 51) return toReal(signs & 0xfffu) + toReal(timesPassed(signs));
+  if (f == 51) return toReal(signs & 0xffffu) + toReal(timesPassed(signs)) * h.c1.w;
   uint from = hash2(i, 181u) % 6u;
   SidePoint p = sidePoint(h, from, orders);
   if (f == 52) return p.z + R(2.0) * p.value + R(4.0) * p.u + R(8.0) * p.v;

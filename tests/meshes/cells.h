@@ -34,7 +34,8 @@ inline std::string nameOf(Cells cells) {
 /// n^3 cubes of such cells with the value field(place) at each point. Inner points are moved by up to `far` of a cube's side on each
 /// axis, so that faces are not flat; those of the border in it, so that it is.
 inline MeshPiece cubeOfCells(Cells cells, uint32_t n, double far, const Field& field, uint64_t seed = 1) {
-  const auto move = [&, random = Random(seed)](glm::dvec3 p) mutable {
+  Random random(seed);
+  const auto move = [&](glm::dvec3 p) {
     glm::dvec3 by(0);
     for (int a = 0; a < 3; a++) {
       const double r = double(random.next() >> 11) * 0x1p-52 - 1;

@@ -2,6 +2,8 @@
 // A mesh of any cells gives one picture, bit for bit, however it is cut into partitions and on however many ranks.
 #include <gtest/gtest.h>
 
+#include <glm/geometric.hpp>
+
 #include "tests/meshes/cells.h"
 #include "tests/meshes/mesh_cuts.h"
 

@@ -9,6 +9,7 @@
 #include "tests/multiserver/test_server.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/meshes.h"
+#include "tests/support/mixed_meshes.h"
 
 namespace gxy::test {
 namespace {
@@ -73,7 +74,7 @@ TEST(MeshData, AFileOfTetrahedraIsAVolumeOnAnyNumberOfRanks) {
     EXPECT_FALSE(reply.contains("warnings") && !reply.at("warnings").empty()) << reply;
     EXPECT_EQ(server.client->expect("list").at("datasets").at(0).at("type"), "Volume");
     json info = server.client->expect("info m").at("datasets").at(0);
-    EXPECT_EQ(info.at("mesh"), (json{{"cells", 384}, {"points", 125}}));
+    EXPECT_EQ(info.at("mesh"), (json{{"cells", 384}, {"tetrahedra", 384}, {"points", 125}}));
     EXPECT_EQ(info.at("components"), 1);
     EXPECT_EQ(info.at("partitions"), ranks);
     EXPECT_GT(info.at("bytes").get<int64_t>(), 384 * 32);
@@ -130,6 +131,62 @@ TEST(MeshData, MeshesAreCutAsWhatTheyAreImportedWith) {
   EXPECT_EQ(server.client->expect("info m").at("datasets").at(0).at("generation"), 2);
 }
 
+TEST(MeshData, CellsOfAllTypesAreCountedByType) {
+  const MeshPiece mesh = cubeOfAllCells(
+      3, [](const glm::dvec3&) { return glm::dvec3(0); }, [](const glm::dvec3& p) { return p.x; });
+  for (const int ranks : {1, 3}) {
+    MeshServer server(ranks);
+    server.write("all.vtu", gridOf(mesh, 0, mesh.cells.size()).vtu());
+    server.client->expect(MeshServer::import("m", "all.vtu"));
+    const json info = server.client->expect("info m");
+    json expected{{"cells", mesh.cells.size()}, {"points", mesh.points.size()}};
+    for (const CellType type : kAllCellTypes) expected[pluralOf(type)] = mesh.cells.size(type);
+    EXPECT_EQ(info.at("datasets").at(0).at("mesh"), expected);
+    EXPECT_NE(info.at("text").get<std::string>().find("\"hexahedra\":" +
+                                                      std::to_string(mesh.cells.size(CellType::Hexahedron))),
+              std::string::npos)
+        << info.at("text");
+  }
+}
+
+/// A grid of 3 x 3 x 3 points from x = `from` on.
+std::string curvedGrid(int from) {
+  std::string points, values;
+  for (int k = 0; k < 3; k++)
+    for (int j = 0; j < 3; j++)
+      for (int i = from; i < from + 3; i++) {
+        points += std::to_string(i + 0.25 * j * k) + " " + std::to_string(j + 0.125 * i) + " " +
+                  std::to_string(k) + " ";
+        values += std::to_string(i + j + k) + " ";
+      }
+  const std::string extent =
+      "Extent=\"" + std::to_string(from) + " " + std::to_string(from + 2) + " 0 2 0 2\">";
+  return "<VTKFile type=\"StructuredGrid\"><StructuredGrid Whole" + extent + "<Piece " + extent +
+         "<PointData><DataArray type=\"Float32\" Name=\"heat\" format=\"ascii\">" + values +
+         "</DataArray></PointData><Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" "
+         "format=\"ascii\">" +
+         points + "</DataArray></Points></Piece></StructuredGrid></VTKFile>";
+}
+
+TEST(MeshData, CurvilinearGridsAndListsOfThemAreVolumes) {
+  MeshServer server(2);
+  server.write("left.vts", curvedGrid(0));
+  server.write("right.vts", curvedGrid(2));
+  server.write("both.pvts",
+               "<VTKFile type=\"PStructuredGrid\"><PStructuredGrid WholeExtent=\"0 4 0 2 0 2\">"
+               "<Piece Extent=\"0 2 0 2 0 2\" Source=\"left.vts\"/><Piece Extent=\"2 4 0 2 0 2\" "
+               "Source=\"right.vts\"/></PStructuredGrid></VTKFile>");
+  server.write("outside.pvts",
+               "<VTKFile type=\"PStructuredGrid\"><PStructuredGrid WholeExtent=\"0 2 0 2 0 2\">"
+               "<Piece Extent=\"0 2 0 2 0 2\" Source=\"/etc/left.vts\"/></PStructuredGrid></VTKFile>");
+  server.client->expect(MeshServer::import("both", "both.pvts"));
+  EXPECT_EQ(server.client->expect("info both").at("datasets").at(0).at("mesh"),
+            (json{{"cells", 16}, {"hexahedra", 16}, {"points", 45}, {"merged points", 9}}));
+  server.expectError(MeshServer::import("m", "outside.pvts"), "/etc/left.vts");
+  server.client->expect("drop both");
+  server.expectNoMemory(2);
+}
+
 TEST(MeshData, WhatTakesNoMeshesSaysSo) {
   MeshServer server(2);
   server.client->expect(MeshServer::import("m", "cube.vtu"));
@@ -164,11 +221,13 @@ TEST(MeshData, ImportsThatFailLeaveNothing) {
   grid.cells = {{5, {0, 1, 2}}};
   server.write("flat.vtu", grid.vtu());
   server.write("lattice.vts", "<VTKFile type=\"StructuredGrid\"></VTKFile>");
+  server.write("surface.vtp", "<VTKFile type=\"PolyData\"></VTKFile>");
   server.expectError(MeshServer::import("m", "prism.vtu"), "pentagonal prisms (1); expected tetrahedra, ");
   server.expectError(MeshServer::import("m", "flat.vtu"), "it has no cells with a volume");
   server.expectError(MeshServer::import("m", "cube.vtu", R"(, "array": "none")"),
                      "no array 'none' of points");
-  server.expectError(MeshServer::import("m", "lattice.vts"), "this kind of file cannot be read as a volume");
+  server.expectError(MeshServer::import("m", "lattice.vts"), "element <StructuredGrid> is missing");
+  server.expectError(MeshServer::import("m", "surface.vtp"), "this kind of file cannot be read as a volume");
   EXPECT_TRUE(server.client->expect("list").at("datasets").empty());
   server.expectNoMemory(2);
 

@@ -8,6 +8,7 @@
 #include "core/io/file.h"
 #include "core/io/write_geometry.h"
 #include "tests/multiserver/viewer_client.h"
+#include "tests/support/mesh_files.h"
 
 namespace gxy::test {
 namespace {
@@ -165,6 +166,38 @@ TEST(Pick, GeometryInColoursOfItsOwnIsFoundWithoutAValue) {
   EXPECT_EQ(hit.at("dataset"), "square");
   EXPECT_TRUE(hit.at("value").is_null()) << hit;
   expectNear(hit.at("normal"), {0, 0, 1}, 1e-12);
+}
+
+// A cube whose values are those of z, as one hexahedron and as six tetrahedra.
+TEST(Pick, SurfacesOfUnstructuredVolumesAreFoundInTheirCells) {
+  GridFile cube;
+  for (int k = 0; k < 8; k++)
+    cube.points.emplace_back((k ^ k >> 1) & 1 ? 0.5 : -0.5, k & 2 ? 0.5 : -0.5, k & 4 ? 0.5 : -0.5);
+  std::vector<double> values;
+  for (const glm::dvec3& p : cube.points) values.push_back(10 + p.z);
+  cube.pointArrays = {{"height", "Float32", 1, values}};
+  GridFile split = cube;
+  cube.cells = {{12, {0, 1, 2, 3, 4, 5, 6, 7}}};
+  const std::array<uint32_t, 7> around{1, 2, 3, 7, 4, 5, 1};
+  for (size_t k = 0; k < 6; k++) split.cells.push_back({10, {0, around[k], around[k + 1], 6}});
+  for (const GridFile& file : {cube, split}) {
+    Picked picked;
+    writeText(picked.server->folder() / "cube.vtu", file.vtu());
+    picked.viewer.client->expect(
+        R"(import like ball {"Datasets": {"name": "cube", "type": "Volume", "filename": "cube.vtu"}})");
+    picked.show(
+        R"({"type": "Volume", "dataset": "cube", "isovalues": [10.25], "slices": [[1, 0, 0, 0.125]]})");
+    json hit = picked.at(32, 32);
+    EXPECT_EQ(hit.at("dataset"), "cube");
+    EXPECT_EQ(hit.at("value"), 10.25);
+    expectNear(hit.at("point"), {0, 0, 0.25}, 1e-5);
+    expectNear(hit.at("normal"), {0, 0, -1}, 1e-5);
+    picked.show(R"({"type": "Volume", "dataset": "cube", "slices": [[1, 0, 4, 0.5]]})");
+    hit = picked.at(32, 32);
+    expectNear(hit.at("point"), {0, 0, 0.125}, 1e-5);
+    EXPECT_NEAR(hit.at("value").get<double>(), 10.125, 1e-5);
+    EXPECT_EQ(picked.at(2, 2).at("hit"), false);
+  }
 }
 
 TEST(Pick, TwoRanksAnswerAsOneDoes) {

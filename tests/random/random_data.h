@@ -20,13 +20,13 @@ RandomVolume randomVolume(Choices& choose);
 
 /// An unstructured volume of one component and what its maps need to know: cells in order, some of them missing, inverted or
 /// without data.
-struct RandomTetrahedra {
+struct RandomMesh {
   WholeMesh mesh;
   double lo = 0, hi = 1;  ///< its true values are about these
   double size = 1;        ///< about that of the largest cells
   bool thin = false;      ///< the cells are far thinner than wide
 };
-RandomTetrahedra randomTetrahedra(Choices& choose);
+RandomMesh randomMesh(Choices& choose);
 
 /// Values in [0, 1], some NaN, or colours, or neither.
 WholeGeometry randomParticles(Choices& choose);

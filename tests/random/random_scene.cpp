@@ -122,7 +122,7 @@ void addVolume(Choices& choose, TestScene& scene) {
 }
 
 void addTetrahedra(Choices& choose, TestScene& scene) {
-  RandomTetrahedra made = randomTetrahedra(choose);
+  RandomMesh made = randomMesh(choose);
   Vis vis;
   vis.type = VisType::Volume;
   vis.volumeRendering = true;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <iomanip>
@@ -31,10 +32,10 @@ void save(const WholeVolume& volume, const std::string& path) {
   VolumeWriter(path, volume.grid, {{"data", type, volume.components, {}}}).write(0, 0, samples);
 }
 
-/// As an unstructured grid of tetrahedra, in text.
+/// As an unstructured grid, in text.
 void save(const WholeMesh& mesh, const std::string& path) {
   const MeshPiece& piece = mesh.cells;
-  const auto& corners = piece.cells.points[size_t(CellType::Tetrahedron)];
+  constexpr std::array<int, kCellTypes> kVtkTypes{10, 14, 13, 12};
   std::ostringstream out;
   out << std::setprecision(17);
   const auto array = [&](const char* type, const char* name, int components, auto write) {
@@ -45,20 +46,24 @@ void save(const WholeMesh& mesh, const std::string& path) {
   };
   out << "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" "
          "byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n"
-      << "<Piece NumberOfPoints=\"" << piece.points.size() << "\" NumberOfCells=\"" << corners.size() / 4
+      << "<Piece NumberOfPoints=\"" << piece.points.size() << "\" NumberOfCells=\"" << piece.cells.size()
       << "\">\n<Points>\n";
   array("Float64", "Points", 3, [&] {
     for (const glm::dvec3& p : piece.points) out << p.x << ' ' << p.y << ' ' << p.z << '\n';
   });
   out << "</Points>\n<Cells>\n";
   array("Int64", "connectivity", 1, [&] {
-    for (const uint32_t corner : corners) out << corner << '\n';
+    for (const auto& ofType : piece.cells.points)
+      for (const uint32_t point : ofType) out << point << '\n';
   });
   array("Int64", "offsets", 1, [&] {
-    for (size_t i = 4; i <= corners.size(); i += 4) out << i << '\n';
+    size_t end = 0;
+    for (uint32_t cell = 0; cell < piece.cells.size(); cell++)
+      out << (end += piece.cells.pointsOf(cell).size()) << '\n';
   });
   array("UInt8", "types", 1, [&] {
-    for (size_t i = 0; i < corners.size() / 4; i++) out << "10\n";
+    for (uint32_t cell = 0; cell < piece.cells.size(); cell++)
+      out << kVtkTypes[size_t(piece.cells.typeOf(cell))] << '\n';
   });
   out << "</Cells>\n<PointData Scalars=\"data\">\n";
   const bool encoded = mesh.shift != 0 || mesh.scale != 1;

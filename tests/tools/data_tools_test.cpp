@@ -265,6 +265,9 @@ CELLS 1 9
 CELL_TYPES 1
 12
 )");
+  ASSERT_EQ(data("info cube.vtk | tee said"), 0);
+  EXPECT_NE(readText(at("said")).find("\ncells       hexahedra (1)\n"), std::string::npos)
+      << readText(at("said"));
   EXPECT_EQ(saidBy("convert cube.vtk cube.vtu"), "");
   EXPECT_EQ(summariseGeometry(at("cube.vtu")).solids, 1u);
   EXPECT_EQ(saidBy("convert cube.vtk cube.vtp"),

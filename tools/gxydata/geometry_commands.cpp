@@ -12,6 +12,7 @@
 #include "core/io/file.h"
 #include "core/io/geometry_file.h"
 #include "core/io/import_geometry.h"
+#include "core/io/mesh_kinds.h"
 #include "core/io/write_geometry.h"
 #include "core/look/file_facts.h"
 #include "tools/gxydata/commands.h"
@@ -154,6 +155,7 @@ void infoGeometry(const Options& options) {
     std::printf("segments    %" PRIu64 "\ntriangles   %" PRIu64 "\nother cells %" PRIu64 "\n", s.segments,
                 s.triangles, s.others);
     if (s.solids) std::printf("solid cells %" PRIu64 " (their outer surface is shown)\n", s.solids);
+    if (!s.kinds.empty()) std::printf("cells       %s\n", describe(s.kinds).c_str());
     if (!s.box.empty())
       std::printf("box         %.9g %.9g %.9g to %.9g %.9g %.9g\n", s.box.lo.x, s.box.lo.y, s.box.lo.z,
                   s.box.hi.x, s.box.hi.y, s.box.hi.z);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <limits>
 
+#include "tests/meshes/cells.h"
 #include "tests/meshes/shapes.h"
 #include "tests/random/random_data.h"
 
@@ -22,6 +23,10 @@ MeshPiece thinned(Choices& choose, MeshPiece piece) {
 
 MeshPiece randomShape(Choices& choose, const Field& field) {
   if (choose.oneIn(12)) return oneCell();
+  if (choose.oneIn(2)) {
+    const Cells cells = kOtherCells[size_t(choose.below(int(kOtherCells.size())))];
+    return cubeOfCells(cells, uint32_t(choose.from(2, 4)), choose.oneIn(3) ? 0 : 0.15, field, choose.seed());
+  }
   MeshPiece piece = cubeMesh(uint32_t(choose.from(1, 5)), choose.oneIn(3) ? 0 : 0.17, field, choose.seed());
   if (choose.oneIn(3)) piece = thinned(choose, std::move(piece));
   if (choose.oneIn(4)) piece = invertedHere(std::move(piece), choose.seed());
@@ -30,8 +35,8 @@ MeshPiece randomShape(Choices& choose, const Field& field) {
 
 }  // namespace
 
-RandomTetrahedra randomTetrahedra(Choices& choose) {
-  RandomTetrahedra made;
+RandomMesh randomMesh(Choices& choose) {
+  RandomMesh made;
   MeshPiece& piece = made.mesh.cells;
   piece = randomShape(choose, randomField(choose));
   if (choose.oneIn(5)) piece = withGaps(std::move(piece), [&](glm::dvec3) { return choose.oneIn(30); });
