@@ -15,7 +15,7 @@ namespace gxy::reference {
 namespace {
 
 /// How far a cubic along a ray may be from the field of a cell, as a part of the range of the cell's values.
-constexpr double kTolerance = 1e-8;
+constexpr double kTolerance = 1e-7;
 
 /// Points at the same place get the same number.
 std::vector<uint32_t> numberedByPlace(const std::vector<glm::dvec3>& points) {

@@ -36,7 +36,7 @@ class MeshField {
 
   /// Returns the parts of the ray in all cells that have data and that it meets in `range`, by the t at which it enters the cell. They
   /// are not cut at the ends of `range`. A tetrahedron has one part, in which the value is linear. Other cells have one or several: the
-  /// cubics differ from the field by no more than 1e-8 of the range of the cell's values. For rays through vertices, edges and along
+  /// cubics differ from the field by no more than 1e-7 of the range of the cell's values. For rays through vertices, edges and along
   /// faces see passageThrough() and meet().
   std::vector<MeshSpan> along(const Ray& ray, Interval range) const;
 
