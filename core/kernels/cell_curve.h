@@ -220,14 +220,20 @@ FN void addPiecesOfFew(MAP map, CellCurve c, UNIFORM bool bows, real turns0, rea
     addMean(sigmaAt(m, f0), sigmaAt(m, f1), front, back, R(1.0), sigma, source);
     real perSigma = sigma > R(0.0) ? R(1.0) / sigma : R(0.0);
     vec3 color = make_v3(source.x * perSigma, source.y * perSigma, source.z * perSigma);
+    real positionError = R(0.0);
     if (bows) {  // Simpson's rule is exact for the mean of a cubic
-      real middle = clamp1((valueOn(c, from + R(0.5) * part) - mapNode(map, k)) * mapInverseLength(map, k), R(0.0), R(1.0));
+      real middle = clamp1((valueOn(c, from + R(0.5) * part) - mapNode(map, k)) * mapInverseLength(map, k),
+                           R(0.0), R(1.0));
       real off = R(0.66666666666666667) * (middle - R(0.5) * (f0 + f1));
       vec3 low = colorAt(m, R(0.0)), high = colorAt(m, R(1.0));
+      vec3 step = make_v3(abs(high.x - low.x), abs(high.y - low.y), abs(high.z - low.z));
+      positionError = abs(off) * max(max(step.x, step.y), step.z);
       sigma = max(sigma + off * (sigmaAt(m, R(1.0)) - sigmaAt(m, R(0.0))), R(0.0));
-      color = make_v3(color.x + off * (high.x - low.x), color.y + off * (high.y - low.y), color.z + off * (high.z - low.z));
+      color = make_v3(color.x + off * (high.x - low.x), color.y + off * (high.y - low.y),
+                      color.z + off * (high.z - low.z));
     }
-    more = addPiece(sigma * (part * span), color, front, back, R(0.0), R(0.0), part <= smallest, tMin, rgb, A);
+    more = addPiece(sigma * (part * span), color, front, back, R(0.0), positionError, part <= smallest, tMin,
+                    rgb, A);
     if (more) {
       most = R(0.5) * part;
     } else {

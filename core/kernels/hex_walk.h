@@ -130,7 +130,9 @@ FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(Me
     passed = (cell << 3) | next;
     face = hexNeighbour(op, cell * 6u + next);
     SidePoint q = sidePoint(h, next, orders);
-    real before = largest;
+    // Where a ray goes through an edge, the sides there differ by a rounding. What a cell counts must not depend on those before it.
+    real own = p.z * r.frame.perDepth;
+    real before = largest - own <= R(1e-6) * abs(own) ? own : largest;
     largest = max(largest, q.z * r.frame.perDepth);
     crossed += 1;
     real ends = min(largest, w.t1);

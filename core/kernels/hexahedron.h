@@ -322,8 +322,10 @@ FN vec3 solved(vec3 a, vec3 b, vec3 c, vec3 rhs) {
   return solvable ? x : make_v3(R(0.0), R(0.0), R(0.0));
 }
 
+// The nearest reference coordinates in a cell, but for a rim, as where corners are repeated the map has no inverse.
 FN vec3 inCell(vec3 at) {
-  return make_v3(clamp1(at.x, R(0.0), R(1.0)), clamp1(at.y, R(0.0), R(1.0)), clamp1(at.z, R(0.0), R(1.0)));
+  real least = R(1e-5), most = R(0.99999);
+  return make_v3(clamp1(at.x, least, most), clamp1(at.y, least, most), clamp1(at.z, least, most));
 }
 
 // The reference coordinates of the point 0 in a hexahedron; the nearest ones found if it is outside.
