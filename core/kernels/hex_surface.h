@@ -35,6 +35,8 @@ FN real levelRootBetween(FrameRay r, Hexahedron h, uint orders, uint from, uint 
       tp = tq;
       tq = first;
     }
+    // A ray that starts on the surface does not meet it there, though roundings may put it on the wrong side.
+    real least = R(1e-4) * ((abs(h.c6.x - h.c0.x) + abs(h.c6.y - h.c0.y)) + abs(h.c6.z - h.c0.z));
     real e0, e1;
     extremaOf(cubic, e0, e1);
     real a = R(0.0), fa = cubic.x;
@@ -54,7 +56,7 @@ FN real levelRootBetween(FrameRay r, Hexahedron h, uint orders, uint from, uint 
         real exact = there.z * r.frame.perDepth, root = lerp1(tp, tq, u);
         bool close = exact >= tp && exact <= tq && abs(exact - root) <= R(0.25) * (tq - tp);
         root = clamp1(close ? exact : root, tp, tq);
-        if (root > tAfter) t = root;
+        if (root > tAfter && root > least) t = root;
       }
       if (z > a) fa = fz;
       a = max1(a, z);

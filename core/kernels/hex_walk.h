@@ -55,7 +55,7 @@ FN real errorAllowed(MAP map, CellCurve c, CurveInMap lies, real range, real spa
     real step = max(max(abs(high.x - low.x), abs(high.y - low.y)), abs(high.z - low.z));
     real most = max(sigmaAt(m, R(0.0)), sigmaAt(m, R(1.0)));
     real slope = (abs(sigmaAt(m, R(1.0)) - sigmaAt(m, R(0.0))) + step * most) * mapInverseLength(map, k);
-    allowed = tMin / max(slope * span, R(1e-30));
+    allowed = R(0.25) * tMin / max(slope * span, R(1e-30));
   }
   return max(allowed, R(1e-6) * range);
 }

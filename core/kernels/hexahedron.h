@@ -357,7 +357,7 @@ FN vec3 towardsDepth(Hexahedron h, vec3 at, real z) {
 
 // About the number at the point of the ray at depth z, near reference coordinates.
 FN real numberNear(Hexahedron h, vec3 at, real z) {
-  vec4 there = trilinearIn(h, towardsDepth(h, at, z));
+  vec4 there = trilinearIn(h, towardsDepth(h, towardsDepth(h, at, z), z));
   return there.w;
 }
 
