@@ -64,7 +64,7 @@ void eachFace(const MeshCells& cells, Visit&& visit) {
 
 void check(const MeshCells& cells, uint64_t points) {
   if (points >= kMostMeshPoints)
-    throw Error("a mesh of " + std::to_string(points) + " points, expected fewer than 2^31");
+    throw Error("a mesh of " + std::to_string(points) + " points, expected fewer than 2^30");
   if (cells.size() >= kMostMeshCells)
     throw Error("a mesh of " + std::to_string(cells.size()) + " cells, expected fewer than 2^29");
   for (const auto& ofType : cells.points)

@@ -145,7 +145,7 @@ void append(MeshPiece& to, MeshPiece from) {
     throw Error("parts of a mesh have " + std::to_string(to.components) + " and " +
                 std::to_string(from.components) + " components, expected the same");
   if (to.points.size() + from.points.size() >= kMostMeshPoints)
-    throw Error("a partition has a mesh of more than 2^31 points; use more partitions");
+    throw Error("a partition has a mesh of more than 2^30 points; use more partitions");
   const auto shift = uint32_t(to.points.size());
   append(to.points, from.points);
   append(to.values, from.values);

@@ -48,7 +48,7 @@ struct MeshReading {
       if (piece.type != all.type) all.type = ScalarType::Float64;
     }
     if (all.points.size() + piece.points.size() >= kMostMeshPoints)
-      throw Error("one rank would hold a mesh of more than 2^31 points; use more ranks");
+      throw Error("one rank would hold a mesh of more than 2^30 points; use more ranks");
     const auto shift = uint32_t(all.points.size());
     for (uint64_t& number : piece.numbers) number += all.pointsOfFile;
     for (size_t type = 0; type < kCellTypes; type++)
