@@ -56,7 +56,7 @@ class MeshReader {
     content_.pointsOfFile = uint64_t(grid_->GetNumberOfPoints());
     if (content_.pointsOfFile >= kMostMeshPoints)
       throw Error(path_ + ": " + std::to_string(content_.pointsOfFile) +
-                  " points; one file may have fewer than 2^31");
+                  " points; one file may have fewer than 2^30");
     const vtkIdType cells = list_.count(), first = cells * wanted.part / wanted.of,
                     end = cells * (wanted.part + 1) / wanted.of;
     const int64_t corners = countKinds(first, end);

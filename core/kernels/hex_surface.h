@@ -17,49 +17,71 @@ FN vec3 towardsSurface(Hexahedron h, vec3 at) {
   return inCell(make_v3(at.x - by.x, at.y - by.y, at.z - by.z));
 }
 
-// The first t > tAfter at which the level is 0 between two sides of a hexahedron in the frame of the ray.
+// The first t > tAfter at which the level is 0 on a piece of a ray's way, from p to q, whose reference coordinates are `at` and `last`;
+// NO_HIT if there is none.
+FN real levelRootOn(FrameRay r, Hexahedron h, SidePoint p, vec3 at, SidePoint q, vec3 last, real low,
+                    real high, real tAfter) {
+  real tp = p.z * r.frame.perDepth, tq = q.z * r.frame.perDepth, t = NO_HIT;
+  vec4 cubic = cubicBetween(h, p, at, q, last, q.z - p.z, low, high);
+  real e0, e1;
+  extremaOf(cubic, e0, e1);
+  real a = R(0.0), fa = cubic.x;
+  for (UNIFORM int k = 0; k < 3; k++) {
+    real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
+    real fz = z < R(1.0) ? bernsteinValue(cubic, z) : cubic.w;
+    real begin = lerp1(tp, tq, a), end = z < R(1.0) ? lerp1(tp, tq, z) : tq;
+    if (!(t < NO_HIT) && z > a && (fa > R(0.0)) != (fz > R(0.0)) && end > tAfter) {
+      Bracket bracket;
+      bracket.lo = a, bracket.hi = z, bracket.fLo = fa, bracket.fHi = fz;
+      real u = rootIn(cubic, bracket);
+      vec3 met = middleOf(at, last, u);
+      for (UNIFORM int step = 0; step < 3; step++) met = towardsSurface(h, met);
+      vec4 there = trilinearIn(h, met);
+      real exact = there.z * r.frame.perDepth;
+      real root = clamp1(lerp1(tp, tq, u), begin, end);
+      if (exact >= begin && exact <= end) root = exact;
+      if (root > tAfter) t = root;
+    }
+    if (z > a) fa = fz;
+    a = max1(a, z);
+  }
+  return t;
+}
+
+// The same between two sides of a hexahedron in the frame of the ray.
 FN real levelRootBetween(FrameRay r, Hexahedron h, uint orders, uint from, uint to, real tAfter) {
   SidePoint p = sidePoint(h, from, orders), q = sidePoint(h, to, orders);
   vec3 at = referencePlace(orderedCorners(from, orders), p.u, p.v);
-  vec3 next = referencePlace(orderedCorners(to, orders), q.u, q.v);
-  real tp = p.z * r.frame.perDepth, tq = q.z * r.frame.perDepth;
-  real t = NO_HIT;
-  if (max1(tp, tq) > tAfter) {
-    vec4 cubic = cubicBetween(h, p, at, q, next, q.z - p.z, lowestOf(h), highestOf(h));
-    if (tq < tp) {
-      cubic = make_v4(cubic.w, cubic.z, cubic.y, cubic.x);
-      vec3 place = at;
-      at = next;
-      next = place;
-      real first = tp;
-      tp = tq;
-      tq = first;
-    }
-    // A ray that starts on the surface does not meet it there, though roundings may put it on the wrong side.
-    real least = R(1e-4) * ((abs(h.c6.x - h.c0.x) + abs(h.c6.y - h.c0.y)) + abs(h.c6.z - h.c0.z));
-    real e0, e1;
-    extremaOf(cubic, e0, e1);
-    real a = R(0.0), fa = cubic.x;
-    for (UNIFORM int k = 0; k < 3; k++) {
-      real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
-      real fz = z < R(1.0) ? bernsteinValue(cubic, z) : cubic.w;
-      // The root may move by a quarter of the way.
-      bool behind = lerp1(tp, tq, min1(z + R(0.3), R(1.0))) > tAfter;
-      if (!(t < NO_HIT) && z > a && (fa > R(0.0)) != (fz > R(0.0)) && behind) {
-        Bracket bracket;
-        bracket.lo = a, bracket.hi = z, bracket.fLo = fa, bracket.fHi = fz;
-        real u = rootIn(cubic, bracket);
-        vec3 met = make_v3(lerp1(at.x, next.x, u), lerp1(at.y, next.y, u), lerp1(at.z, next.z, u));
-        met = towardsSurface(h, met);
-        met = towardsSurface(h, towardsSurface(h, met));
-        vec4 there = trilinearIn(h, met);
-        real exact = there.z * r.frame.perDepth, root = lerp1(tp, tq, u);
-        bool close = exact >= tp && exact <= tq && abs(exact - root) <= R(0.25) * (tq - tp);
-        root = clamp1(close ? exact : root, tp, tq);
-        if (root > tAfter && root > least) t = root;
+  vec3 last = referencePlace(orderedCorners(to, orders), q.u, q.v);
+  if (q.z * r.frame.perDepth < p.z * r.frame.perDepth) {
+    SidePoint side = p;
+    vec3 place = at;
+    p = q, q = side;
+    at = last, last = place;
+  }
+  real tp = p.z * r.frame.perDepth, tq = q.z * r.frame.perDepth, t = NO_HIT;
+  // A ray that starts on the surface does not meet it there, though roundings may put it on the wrong side.
+  real after = max1(tAfter, R(1e-4) * (tq - tp));
+  if (tq > after) {
+    real low = lowestOf(h), high = highestOf(h);
+    vec4 whole = cubicBetween(h, p, at, q, last, q.z - p.z, low, high);
+    real pieces = piecesOf(h, whole, p, at, q, last, R(1e-3) * (high - low)), i = R(0.0);
+    real part = R(1.0) / pieces;
+    SidePoint begin = p;
+    vec3 place = at;
+    while (i < pieces && !(t < NO_HIT)) {
+      i += R(1.0);
+      SidePoint end = q;
+      vec3 then = last;
+      if (i < pieces) {
+        end.z = lerp1(p.z, q.z, i * part);
+        then = placeAtDepth(h, middleOf(at, last, i * part), end.z);
+        vec4 there = trilinearIn(h, then);
+        end.value = there.w;
       }
-      if (z > a) fa = fz;
-      a = max1(a, z);
+      t = levelRootOn(r, h, begin, place, end, then, low, high, after);
+      begin = end;
+      place = then;
     }
   }
   return t;

@@ -45,7 +45,7 @@ FN bool passesSide(FrameRay r, vec3 a, vec3 b, vec3 c, vec3 d, bool triangle, OU
 
 // The largest error that the value may have along a curve on a way of this length.
 FN real errorAllowed(MAP map, CellCurve c, CurveInMap lies, real range, real span, real tMin) {
-  real allowed = R(0.002) * range;
+  real allowed = R(1e-4) * range;
   if (mapIsSmall(map) && lies.even) {
     // Extinction and colours are linear in an interval.
     MapPlace place = mapPlace(map, c.low);
@@ -73,11 +73,8 @@ FN bool integrateInHexahedron(MAP map, Hexahedron h, SidePoint p, vec3 at, SideP
   whole.high = high;
   CurveInMap lies = curveInMap(map, whole);
   if (lies.seen) {
-    real middle = numberNear(h, middleOf(at, last, R(0.5)), lerp1(p.z, q.z, R(0.5)));
-    real error = abs(middle - bernsteinValue(whole.cubic, R(0.5)));
-    real allowed = errorAllowed(map, whole, lies, high - low, span, tMin);
-    real pieces = R(1.0);
-    if (error > allowed) pieces = min(ceil(sqrt(sqrt(error / allowed))), R(8.0));
+    real pieces =
+        piecesOf(h, whole.cubic, p, at, q, last, errorAllowed(map, whole, lies, high - low, span, tMin));
     SidePoint from = p;
     vec3 place = at;
     real i = R(0.0), part = R(1.0) / pieces;
@@ -88,7 +85,7 @@ FN bool integrateInHexahedron(MAP map, Hexahedron h, SidePoint p, vec3 at, SideP
       i += R(1.0);
       if (i < pieces) {
         to.z = lerp1(p.z, q.z, i * part);
-        then = towardsDepth(h, towardsDepth(h, middleOf(at, last, i * part), to.z), to.z);
+        then = placeAtDepth(h, middleOf(at, last, i * part), to.z);
         vec4 there = trilinearIn(h, then);
         to.value = there.w;
       }

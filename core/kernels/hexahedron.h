@@ -355,10 +355,21 @@ FN vec3 towardsDepth(Hexahedron h, vec3 at, real z) {
   return inCell(make_v3(at.x - by.x, at.y - by.y, at.z - by.z));
 }
 
-// About the number at the point of the ray at depth z, near reference coordinates.
-FN real numberNear(Hexahedron h, vec3 at, real z) {
-  vec4 there = trilinearIn(h, towardsDepth(h, towardsDepth(h, at, z), z));
-  return there.w;
+// The reference coordinates of the point of the ray at depth z, near others.
+FN vec3 placeAtDepth(Hexahedron h, vec3 near, real z) {
+  vec3 at = near;
+  for (UNIFORM int k = 0; k < 4; k++) at = towardsDepth(h, at, z);
+  return at;
+}
+
+// The number of equal pieces in which a way is cut, so that a cubic of each is as near to the field as `allowed`, where that of the whole
+// way is not in its middle. The error of Hermite's cubic goes with the fourth power of the length.
+FN real piecesOf(Hexahedron h, vec4 cubic, SidePoint p, vec3 at, SidePoint q, vec3 last, real allowed) {
+  vec4 middle = trilinearIn(h, placeAtDepth(h, middleOf(at, last, R(0.5)), lerp1(p.z, q.z, R(0.5))));
+  real error = abs(middle.w - (R(0.125) * (cubic.x + cubic.w) + R(0.375) * (cubic.y + cubic.z)));
+  real pieces = R(1.0);
+  if (error > allowed) pieces = min(ceil(sqrt(sqrt(error / allowed))), R(16.0));
+  return pieces;
 }
 
 // The direction in which the number grows, times the volume of the reference cell there.

@@ -181,7 +181,9 @@ void compileMesh(CompiledOperator& op, const CompiledScene& scene) {
 void planMesh(CompiledOperator& op, CompiledScene& scene, OtherScenes others, const Advance& advance) {
   const auto& blocks = op.data.mesh->blocks;
   size_t done = 0;
-  for (const auto& [partition, block] : blocks) {
+  for (const auto& entry : blocks) {
+    const int partition = entry.first;
+    const MeshBlock& block = entry.second;
     const Advance part = partOf(advance, done++, blocks.size());
     const std::vector<float> shown = shownValues(op, block);
     OperatorInPartition planned;

@@ -26,7 +26,7 @@ struct RandomMesh {
   double size = 1;        ///< about that of the largest cells
   bool thin = false;      ///< the cells are far thinner than wide
 };
-RandomMesh randomMesh(Choices& choose);
+RandomMesh randomCells(Choices& choose);
 
 /// Values in [0, 1], some NaN, or colours, or neither.
 WholeGeometry randomParticles(Choices& choose);

@@ -35,7 +35,7 @@ MeshPiece randomShape(Choices& choose, const Field& field) {
 
 }  // namespace
 
-RandomMesh randomMesh(Choices& choose) {
+RandomMesh randomCells(Choices& choose) {
   RandomMesh made;
   MeshPiece& piece = made.mesh.cells;
   piece = randomShape(choose, randomField(choose));

@@ -121,8 +121,8 @@ void addVolume(Choices& choose, TestScene& scene) {
   scene.visualization.operators.push_back(std::move(vis));
 }
 
-void addTetrahedra(Choices& choose, TestScene& scene) {
-  RandomMesh made = randomMesh(choose);
+void addCells(Choices& choose, TestScene& scene) {
+  RandomMesh made = randomCells(choose);
   Vis vis;
   vis.type = VisType::Volume;
   vis.volumeRendering = true;
@@ -335,7 +335,7 @@ TestScene randomMeshScene(uint64_t seed) {
   Choices choose(seed);
   TestScene scene;
   scene.name = "random_mesh_" + std::to_string(seed);
-  addTetrahedra(choose, scene);
+  addCells(choose, scene);
   for (int n = choose.oneIn(2) ? 0 : choose.from(1, 2); n > 0; n--) {
     choose.oneIn(3) ? addVolume(choose, scene) : addGeometry(choose, scene);
     scene.visualization.operators.back().volumeRendering = false;
