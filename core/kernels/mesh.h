@@ -180,8 +180,8 @@ FN uint walkMesh(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMar
         if (lies.seen) {
           real span = largest - before;
           evaluated += 1;
-          addPart(op.map, curve, false, lies, (start - before) / span, to < largest ? (to - before) / span : R(1.0),
-                  span, m.tMin, rgb, A);
+          addPart(op.map, curve, false, lies, (start - before) / span,
+                  to < largest ? (to - before) / span : R(1.0), span, m.tMin, rgb, A);
         }
       }
       if (to >= w.end || to >= m.tOut || R(1.0) - A < m.tMin) goes = false;
