@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <limits>
 
-#include "tests/meshes/cells.h"
 #include "tests/meshes/shapes.h"
 #include "tests/random/random_data.h"
 
@@ -23,10 +22,6 @@ MeshPiece thinned(Choices& choose, MeshPiece piece) {
 
 MeshPiece randomShape(Choices& choose, const Field& field) {
   if (choose.oneIn(12)) return oneCell();
-  if (choose.oneIn(2)) {
-    const Cells cells = kOtherCells[size_t(choose.below(int(kOtherCells.size())))];
-    return cubeOfCells(cells, uint32_t(choose.from(2, 4)), choose.oneIn(3) ? 0 : 0.15, field, choose.seed());
-  }
   MeshPiece piece = cubeMesh(uint32_t(choose.from(1, 5)), choose.oneIn(3) ? 0 : 0.17, field, choose.seed());
   if (choose.oneIn(3)) piece = thinned(choose, std::move(piece));
   if (choose.oneIn(4)) piece = invertedHere(std::move(piece), choose.seed());
