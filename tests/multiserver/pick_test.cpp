@@ -191,7 +191,7 @@ TEST(Pick, SurfacesOfUnstructuredVolumesAreFoundInTheirCells) {
     EXPECT_EQ(hit.at("dataset"), "cube");
     EXPECT_EQ(hit.at("value"), 10.25);
     expectNear(hit.at("point"), {0, 0, 0.25}, 1e-5);
-    expectNear(hit.at("normal"), {0, 0, -1}, 1e-5);
+    expectNear(hit.at("normal"), {0, 0, 1}, 1e-5);  // it faces the viewer
     picked.show(R"({"type": "Volume", "dataset": "cube", "slices": [[1, 0, 4, 0.5]]})");
     hit = picked.at(32, 32);
     expectNear(hit.at("point"), {0, 0, 0.125}, 1e-5);
