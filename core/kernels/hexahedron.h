@@ -5,8 +5,9 @@
 //
 // A bilinear patch and a line meet in the root of a quadratic (Reshetov, Cool patches: a geometric approach to ray/bilinear patch
 // intersections, Ray Tracing Gems, 2019). Of the two roots, the patch goes around the ray in one direction at one of them and in the
-// other direction at the other one, so the sign of the side (face.h) says which one counts. Both cells of a side take its corners in the
-// same order, given by the numbers of the points, so they find the same bits.
+// other direction at the other one, so the sign of the side (face.h) says which one counts. Both cells of a side of four corners take
+// these in the same order, given by the numbers of the points, so they find the same bits. Each cell takes those of a triangle in an order of
+// its own, as means on triangles have the same bits in any order.
 
 #define HEX_SIDES 6
 
@@ -17,7 +18,7 @@ FN uint sideCorners(uint side) {
   return side < 3u ? low : high;
 }
 
-// The same in the order in which both cells of the side take them. `orders` has four bits for each side: the place where the order begins
+// The same in the order in which the cell takes them. `orders` has four bits for each side: the place where the order begins
 // (two bits), whether it goes the other way around, and whether the side is a triangle, whose third and fourth corner are the same one.
 FN uint orderedCorners(uint side, uint orders) {
   uint order = orders >> (side * 4u);
