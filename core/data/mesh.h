@@ -89,6 +89,7 @@ struct MeshReport {
   uint64_t foldedFaces = 0;
   uint64_t noDataPoints =
       0;  ///< points with a NaN or infinite value; cells that have such a point are transparent
+  bool operator==(const MeshReport&) const = default;
 };
 
 /// An unstructured volume. Values are shift + scale * stored (encodingOf()). It is immutable once complete; any thread may read it.
