@@ -13,6 +13,7 @@
 #include "multiserver/insitu/cells_room.h"
 #include "multiserver/insitu/grid_room.h"
 #include "multiserver/insitu/points_room.h"
+#include "multiserver/insitu/volume_room.h"
 #include "multiserver/server/datasets.h"
 
 namespace gxy {
@@ -171,6 +172,8 @@ void StreamPart::makeRoom(const insitu::Encodings& encodings) {
                                                  serverRank_.rank(), take));
     else if (mesh.kind == insitu::Mesh::Kind::Points)
       rooms.push_back(std::make_unique<PointsRoom>(mesh, take));
+    else if (mesh.shape == insitu::Mesh::Shape::Volume)
+      rooms.push_back(std::make_unique<VolumeRoom>(mesh, *plan_->partitioning, take));
     else
       rooms.push_back(std::make_unique<CellsRoom>(mesh, take));
   }
