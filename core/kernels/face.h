@@ -36,19 +36,58 @@ FN real sumOf(real x, real y, real z) {
   return (least + min1(rest, hi)) + max1(rest, hi);
 }
 
+// The share of x in x + y, which have the same sign but for rounding.
+FN real shareOf(real x, real y) {
+  real sum = abs(x) + abs(y);
+  return sum > R(0.0) ? abs(x) / sum : R(0.5);
+}
+
+// The barycentric coordinates of triangleShares() for a triangle that looks like a line, along x or else along y. Two of its edges meet the
+// ray in this direction; the point lies between these two meetings, where it is on the ray in the other direction, too. So it is on the ray
+// but for rounding, even if the ray runs in the triangle and any point between the meetings will do.
+FN void thinShares(vec3 a, vec3 b, vec3 c, bool alongX, OUT(real) shareA, OUT(real) shareB,
+                   OUT(real) shareC) {
+  real wa = alongX ? a.x : a.y, wb = alongX ? b.x : b.y, wc = alongX ? c.x : c.y;
+  real ya = alongX ? a.y : a.x, yb = alongX ? b.y : b.x, yc = alongX ? c.y : c.x;
+  bool beyondA = wa > R(0.0), beyondB = wb > R(0.0), beyondC = wc > R(0.0);
+  if (beyondA == beyondB && beyondB == beyondC) {  // the sign is a rounding; the nearest corner
+    real least = min1(min1(abs(wa), abs(wb)), abs(wc));
+    shareA = abs(wa) == least ? R(1.0) : R(0.0);
+    shareB = abs(wb) == least ? R(1.0) : R(0.0);
+    shareC = abs(wc) == least ? R(1.0) : R(0.0);
+    real one = R(1.0) / ((shareA + shareB) + shareC);
+    shareA = shareA * one, shareB = shareB * one, shareC = shareC * one;
+  } else {
+    bool isA = beyondB == beyondC;  // whether a is the corner alone on its side
+    bool isB = !isA && beyondA == beyondC;
+    real wp = isA ? wa : (isB ? wb : wc), yp = isA ? ya : (isB ? yb : yc);
+    real wq = isA ? wb : wa, yq = isA ? yb : ya;
+    real wr = isA || isB ? wc : wb, yr = isA || isB ? yc : yb;
+    real q = shareOf(wp, wq), r = shareOf(wp, wr);
+    real besideQ = yp + q * (yq - yp), besideR = yp + r * (yr - yp);
+    real onQ = shareOf(besideR, besideQ), onR = shareOf(besideQ, besideR);
+    real shareP = onQ * (R(1.0) - q) + onR * (R(1.0) - r), shareQ = onQ * q, shareR = onR * r;
+    shareA = isA ? shareP : shareQ;
+    shareB = isA ? shareQ : (isB ? shareP : shareR);
+    shareC = isA || isB ? shareR : shareP;
+  }
+}
+
 // The barycentric coordinates of the point where the ray passes a triangle whose sign is not 0. sideA, sideB and sideC: sideOf its edges
 // opposite a, b and c, one after the other around it. Their signs do not matter, so the coordinates have the same bits whichever way
-// round the corners are. They are never negative. A triangle that is seen edge-on has no such point in this arithmetic; then it is the
-// middle.
-FN void triangleShares(real sideA, real sideB, real sideC, OUT(real) shareA, OUT(real) shareB,
-                       OUT(real) shareC) {
-  real a = abs(sideA), b = abs(sideB), c = abs(sideC);
-  real sum = sumOf(a, b, c);
-  real one = R(1.0) / (sum > R(0.0) ? sum : R(1.0));
-  bool edgeOn = !(sum > R(0.0));
-  shareA = edgeOn ? R(0.33333333333333333) : a * one;
-  shareB = edgeOn ? R(0.33333333333333333) : b * one;
-  shareC = edgeOn ? R(0.33333333333333333) : c * one;
+// round the corners are. They are never negative.
+FN void triangleShares(vec3 a, vec3 b, vec3 c, real sideA, real sideB, real sideC, OUT(real) shareA,
+                       OUT(real) shareB, OUT(real) shareC) {
+  shareA = abs(sideA), shareB = abs(sideB), shareC = abs(sideC);
+  real sum = sumOf(shareA, shareB, shareC);
+  real x = max1(max1(abs(a.x), abs(b.x)), abs(c.x)), y = max1(max1(abs(a.y), abs(b.y)), abs(c.y));
+  real size = max1(x, y);
+  if (sum > R(2e-3) * (size * size)) {
+    real one = R(1.0) / sum;
+    shareA = shareA * one, shareB = shareB * one, shareC = shareC * one;
+  } else {  // the sides are near to their roundings
+    thinShares(a, b, c, x >= y, shareA, shareB, shareC);
+  }
 }
 
 // The mean of what the corners have, with the same bits in any order of the corners: the number of the corner with the largest share,

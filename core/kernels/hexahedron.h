@@ -94,12 +94,6 @@ struct SidePoint {
       v;  // the coordinates in the patch: from the first corner to the second one, and from there to the third one
 };
 
-// The share of x in x + y, which have the same sign but for rounding.
-FN real shareOf(real x, real y) {
-  real sum = abs(x) + abs(y);
-  return sum > R(0.0) ? abs(x) / sum : R(0.5);
-}
-
 FN real bilinear(real a, real b, real c, real d, real u, real v) {
   return lerp1(lerp1(a, b, u), lerp1(d, c, u), v);
 }
@@ -186,23 +180,8 @@ FN SidePoint patchPoint(vec4 a, vec4 b, vec4 c, vec4 d) {
 // fourth corner are c.
 FN SidePoint trianglePoint(vec4 a, vec4 b, vec4 c) {
   vec3 pa = placeOf(a), pb = placeOf(b), pc = placeOf(c);
-  real sideA = sideOf(pb, pc), sideB = sideOf(pc, pa), sideC = sideOf(pa, pb);
   real shareA, shareB, shareC;
-  triangleShares(sideA, sideB, sideC, shareA, shareB, shareC);
-  bool alongX;
-  if (isEdgeOn(pa, pb, pc, pc, sumOf(abs(sideA), abs(sideB), abs(sideC)), alongX)) {
-    real wa = alongX ? pa.x : pa.y, wb = alongX ? pb.x : pb.y, wc = alongX ? pc.x : pc.y;
-    vec3 ab = make_v3(shareOf(wb, wa), shareOf(wa, wb), R(0.0)),
-         bc = make_v3(R(0.0), shareOf(wc, wb), shareOf(wb, wc));
-    vec3 ca = make_v3(shareOf(wc, wa), R(0.0), shareOf(wa, wc));
-    EdgesMet e = noEdges();
-    meetEdge(e, wa, wb, ab, meanOf(ab.x, ab.y, ab.z, a.z, b.z, c.z));
-    meetEdge(e, wb, wc, bc, meanOf(bc.x, bc.y, bc.z, a.z, b.z, c.z));
-    meetEdge(e, wc, wa, ca, meanOf(ca.x, ca.y, ca.z, a.z, b.z, c.z));
-    shareA = R(0.5) * (e.front.x + e.back.x);
-    shareB = R(0.5) * (e.front.y + e.back.y);
-    shareC = R(0.5) * (e.front.z + e.back.z);
-  }
+  triangleShares(pa, pb, pc, sideOf(pb, pc), sideOf(pc, pa), sideOf(pa, pb), shareA, shareB, shareC);
   SidePoint p;
   p.z = meanOf(shareA, shareB, shareC, a.z, b.z, c.z);
   p.value = meanOf(shareA, shareB, shareC, a.w, b.w, c.w);

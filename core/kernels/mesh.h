@@ -68,7 +68,7 @@ FN bool beginsBehind(ShellPlace last, real t, uint number, uint face) {
 FN bool passesFace(FrameRay r, vec3 a, vec3 b, vec3 c, OUT(real) t) {
   vec3 pa = inFrame(r, a), pb = inFrame(r, b), pc = inFrame(r, c);
   real shareA, shareB, shareC;
-  triangleShares(sideOf(pb, pc), sideOf(pc, pa), sideOf(pa, pb), shareA, shareB, shareC);
+  triangleShares(pa, pb, pc, sideOf(pb, pc), sideOf(pc, pa), sideOf(pa, pb), shareA, shareB, shareC);
   t = meanOf(shareA, shareB, shareC, pa.z, pb.z, pc.z) * r.frame.perDepth;
   return triangleSign(pa, pb, pc) != 0;
 }
@@ -115,7 +115,7 @@ FN uint walkMesh(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMar
   real sideA = sideOf(pb, pc), sideB = sideOf(pc, pa), sideC = sideOf(pa, pb);  // of the opposite edges
   int crossA = edgeCrossing(pb, pc), crossB = edgeCrossing(pc, pa), crossC = edgeCrossing(pa, pb);
   real shareA, shareB, shareC;
-  triangleShares(sideA, sideB, sideC, shareA, shareB, shareC);
+  triangleShares(pa, pb, pc, sideA, sideB, sideC, shareA, shareB, shareC);
   real t = meanOf(shareA, shareB, shareC, pa.z, pb.z, pc.z) * r.frame.perDepth;
   real s = meanOf(shareA, shareB, shareC, sa, sb, sc);
   vec3 rgb = L.rgb;
@@ -135,11 +135,11 @@ FN uint walkMesh(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMar
     // The corner that is not one of the face by which the ray goes on.
     int left = signA == -came ? 0 : (signB == -came ? 1 : 2);
     if (signA != 0 && signB != 0) {  // the ray passes all four faces
-      triangleShares(sideA, sideBD, sideCD, shareA, shareB, shareC);
+      triangleShares(pd, pc, pb, sideA, sideBD, sideCD, shareA, shareB, shareC);
       real tA = meanOf(shareA, shareB, shareC, pd.z, pc.z, pb.z) * r.frame.perDepth;
-      triangleShares(sideAD, sideB, sideCD, shareA, shareB, shareC);
+      triangleShares(pc, pd, pa, sideAD, sideB, sideCD, shareA, shareB, shareC);
       real tB = meanOf(shareA, shareB, shareC, pc.z, pd.z, pa.z) * r.frame.perDepth;
-      triangleShares(sideAD, sideBD, sideC, shareA, shareB, shareC);
+      triangleShares(pb, pa, pd, sideAD, sideBD, sideC, shareA, shareB, shareC);
       real tC = meanOf(shareA, shareB, shareC, pb.z, pa.z, pd.z) * r.frame.perDepth;
       left = cornerLeft(came, signA, signB, t, tA, tB, tC, a, b, c, d);
     }
@@ -162,9 +162,12 @@ FN uint walkMesh(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMar
       sideA = sideBD, sideB = -sideAD;
       crossA = crossBD, crossB = -crossAD;
     }
-    triangleShares(sideA, sideB, sideC, shareA, shareB, shareC);
+    triangleShares(pa, pb, pc, sideA, sideB, sideC, shareA, shareB, shareC);
+    real own = t;
     t = meanOf(shareA, shareB, shareC, pa.z, pb.z, pc.z) * r.frame.perDepth;
-    real s0 = s, before = largest;
+    real s0 = s;
+    // Where a ray goes through an edge, the faces there differ by a rounding. What a cell counts must not depend on those before it.
+    real before = largest - own <= R(1e-6) * abs(own) ? own : largest;
     s = meanOf(shareA, shareB, shareC, sa, sb, sc);
     largest = max(largest, t);
     crossed += 1;

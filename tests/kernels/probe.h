@@ -203,7 +203,7 @@ FN real probeFace(int f, uint i) {
   real shareA;
   real shareB;
   real shareC;
-  triangleShares(sideOf(b, c), sideOf(c, a), sideOf(a, b), shareA, shareB, shareC);
+  triangleShares(a, b, c, sideOf(b, c), sideOf(c, a), sideOf(a, b), shareA, shareB, shareC);
   if (f == 49) return meanOf(shareA, shareB, shareC, a.z, b.z, c.z) + R(2.0) * shareC;
   int signA = (hash2(i, 130u) & 1u) == 0u ? 1 : -1;
   int signB = signA == 1 || (hash2(i, 131u) & 1u) == 0u ? -1 : 1;
