@@ -594,6 +594,7 @@ void StreamLead::finish() {
 
 json StreamLead::statistics() const {
   const size_t connections = part_->connections(), checked = part_->checkedConnections();
+  const uint64_t sameCells = part_->stepsWithTheSameCells();
   const std::lock_guard lock(mutex_);
   json fields = json::array();
   for (const insitu::Publishes& d : insitu::datasetsOf(meshes_))
@@ -608,6 +609,9 @@ json StreamLead::statistics() const {
     uint64_t bytes = 0;
     for (const auto& [owner, some] : bytes_) bytes += some;
     result["bytes"] = bytes;
+    if (std::any_of(meshes_.begin(), meshes_.end(),
+                    [](const insitu::Mesh& mesh) { return mesh.shape == insitu::Mesh::Shape::Volume; }))
+      result["same cells"] = sameCells;
   }
   if (newest_.count > 0) {
     result["step"] = newest_.step;

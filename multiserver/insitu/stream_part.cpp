@@ -70,6 +70,9 @@ void StreamPart::plan(StreamPlan plan) {
   pieces_ = std::move(pieces);
   places_ = std::move(places);
   ghosts_ = std::move(ghosts);
+  for (size_t m = 0; m < plan_->meshes.size(); m++)
+    if (plan_->meshes[m].shape == insitu::Mesh::Shape::Volume)
+      kept_[m].layout.reset();  // It is of other partitions, perhaps.
   expect(expected_);
 }
 
@@ -173,7 +176,7 @@ void StreamPart::makeRoom(const insitu::Encodings& encodings) {
     else if (mesh.kind == insitu::Mesh::Kind::Points)
       rooms.push_back(std::make_unique<PointsRoom>(mesh, take));
     else if (mesh.shape == insitu::Mesh::Shape::Volume)
-      rooms.push_back(std::make_unique<VolumeRoom>(mesh, *plan_->partitioning, take));
+      rooms.push_back(std::make_unique<VolumeRoom>(mesh, *plan_->partitioning, take, kept_.at(m)));
     else
       rooms.push_back(std::make_unique<CellsRoom>(mesh, take));
   }
@@ -260,6 +263,13 @@ void StreamPart::learnEncodings(const std::vector<std::shared_ptr<Dataset>>& dat
   }
   plain_ = std::max(0, plain_ - 1);
   learned_ = plain_ > 0 ? insitu::Encodings() : learned;
+}
+
+uint64_t StreamPart::stepsWithTheSameCells() const {
+  const std::lock_guard lock(mutex_);
+  uint64_t steps = 0;
+  for (const auto& [mesh, kept] : kept_) steps += kept.used;
+  return steps;
 }
 
 bool StreamPart::wasUnfit() const {

@@ -47,7 +47,7 @@ int64_t expectEqualsImport(TestServer& server, Viewer& viewer, const MiniVolume&
   for (int r = 0; r < server.serverRank().ranks(); r++) {
     const auto found = datasetOn(server, r, name), expected = datasetOn(server, r, "file");
     EXPECT_EQ(found->bytes, expected->bytes);
-    EXPECT_EQ(found->memory.bytes(), expected->memory.bytes());
+    EXPECT_EQ(found->memory.bytes() + found->sharedMemory->bytes(), expected->memory.bytes());
     EXPECT_EQ(*found->partitioning, *expected->partitioning);
     expectSame(*found->mesh, *expected->mesh);
   }
@@ -93,6 +93,61 @@ TEST(VolumeCells, ThatArePublishedEqualTheImportOfTheSameStep) {
     if (settings.differ && settings.ranks > 1 && settings.ranks != 4) {
       EXPECT_GT(datasetOn(*server, 0, "sea.heat")->mesh->report.differingPoints, 0u);
     }
+  }
+}
+
+TEST(VolumeCells, ThatStayAreSharedByAllFieldsAndSteps) {
+  for (const bool differ : {false, true}) {
+    const auto server = serve(3);
+    Viewer viewer(*server);
+    viewer.client->expect("load insitu");
+    viewer.client->expect("observe");
+    MiniVolume::Settings settings;
+    settings.ranks = 3;
+    settings.differ = differ;
+    MiniVolume volume(to(*server), settings);
+    const auto sameCells = [&] {
+      return viewer.client->expect("insitu.streams").at("streams").at(0).value("same cells", int64_t(0));
+    };
+    const auto isShared = [&](const std::vector<std::shared_ptr<const Dataset>>& a, const std::string& name) {
+      bool all = true;
+      for (int r = 0; r < 3; r++)
+        for (const auto& [partition, block] : datasetOn(*server, r, name)->mesh->blocks) {
+          const MeshBlock& other = a[size_t(r)]->mesh->blocks.at(partition);
+          all = all && block.points.sharesWith(other.points) && block.shell.sharesWith(other.shell);
+          for (const CellType type : kAllCellTypes)
+            all = all && block.cells.points[size_t(type)].sharesWith(other.cells.points[size_t(type)]) &&
+                  block.neighbours[size_t(type)].sharesWith(other.neighbours[size_t(type)]);
+        }
+      return all;
+    };
+    const auto onRanks = [&] {
+      std::vector<std::shared_ptr<const Dataset>> all;
+      for (int r = 0; r < 3; r++) all.push_back(datasetOn(*server, r, "sea.heat"));
+      return all;
+    };
+    run(volume, [&] { return volume.published() >= 1; });
+    const auto first = onRanks();
+    for (const char* field : {"sea.flow", "sea.level"}) EXPECT_TRUE(isShared(first, field)) << field;
+    const int64_t before = sameCells();
+    run(volume, [&] { return volume.published() >= 3; });
+    EXPECT_GE(sameCells(), before + 2);
+    EXPECT_TRUE(isShared(first, "sea.heat"));
+    EXPECT_GT(datasetOn(*server, 0, "sea.heat")->origins, first[0]->origins);
+    EXPECT_NE(datasetOn(*server, 0, "sea.heat")->mesh->ranges, first[0]->mesh->ranges);
+    for (const char* field : {"heat", "flow", "level"}) expectEqualsImport(*server, viewer, volume, field);
+
+    // One point moves on one rank, by a bit; and then nothing does.
+    volume.change = [](std::vector<RankVolume>& ranks) {
+      double& x = ranks[1].points[size_t(ranks[1].connectivity[0])][0];
+      x = std::nextafter(x, 0.5);
+    };
+    run(volume, [&] { return !isShared(first, "sea.heat"); });
+    const int64_t published = volume.published();
+    const int64_t then = sameCells();
+    run(volume, [&] { return volume.published() >= published + 4; });
+    EXPECT_GT(sameCells(), then);
+    for (const char* field : {"heat", "flow", "level"}) expectEqualsImport(*server, viewer, volume, field);
   }
 }
 
