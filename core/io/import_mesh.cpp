@@ -268,7 +268,8 @@ std::shared_ptr<const Mesh> meshOf(LoadedMesh loaded, const Partitioning& partit
                                    const TakeMemory& toTake, std::vector<std::string>* warnings) {
   const std::string name = loaded.name, path = loaded.path;
   const MeshReport read = loaded.report;
-  auto mesh = std::make_shared<Mesh>(completeMesh(static_cast<EncodedMesh&&>(loaded), partitioning, ranks, toTake));
+  auto mesh =
+      std::make_shared<Mesh>(completeMesh(static_cast<EncodedMesh&&>(loaded), partitioning, ranks, toTake));
   mesh->name = name;
   MeshReport& report = mesh->report;
   report.flatCells = read.flatCells;

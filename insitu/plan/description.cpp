@@ -147,8 +147,9 @@ void checkVolumes(std::span<const Mesh> meshes) {
       throw Error(what + "cells with a volume without a field, expected one or more fields of points");
     for (const Field& field : mesh.fields)
       if (field.ofCells)
-        throw Error(what + "field \"" + field.name +
-                    "\" is one of cells; cells with a volume cannot have these yet, expected fields of points");
+        throw Error(
+            what + "field \"" + field.name +
+            "\" is one of cells; cells with a volume cannot have these yet, expected fields of points");
   }
 }
 
