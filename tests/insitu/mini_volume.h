@@ -140,7 +140,7 @@ class MiniVolume {
       const double own = settings_.differ ? double(begin) : 0;
       to.heat.push_back(1000 + p[0] + 2 * p[1] * p[2] + 0.1 * double(step_) + own);
       to.flow.push_back({float(p[1]), float(step_) * float(p[0]), float(own)});
-      to.level.push_back(int16_t(100 * p[2] + double(step_)));
+      to.level.push_back(int16_t(100 * p[0] * p[2] + double(step_)));
     }
   }
 

@@ -66,7 +66,7 @@ int64_t expectEqualsImport(TestServer& server, Viewer& viewer, const MiniVolume&
   const auto ours = picture(name), theirs = picture("file");
   EXPECT_TRUE(ours == theirs) << "the pictures of " << name << " differ";
   const auto drawn = std::count_if(ours.begin(), ours.end(), [](uint8_t v) { return v > 30 && v < 255; });
-  EXPECT_GE(drawn, 100) << name << ", " << *std::max_element(ours.begin(), ours.end()) + 0;
+  EXPECT_GE(drawn, 100) << name;
   return step;
 }
 
