@@ -11,6 +11,7 @@
 #include "core/comm/parallel_for.h"
 #include "core/data/collapsed.h"
 #include "core/data/connect.h"
+#include "core/data/mesh_values.h"
 #include "core/data/morton.h"
 
 namespace gxy {
@@ -36,17 +37,6 @@ void checkSizes(const MeshPiece& piece) {
                 " numbers, expected those of each point");
 }
 
-bool isNoData(const float* values, int components) {
-  return std::any_of(values, values + components, [](float v) { return !std::isfinite(v); });
-}
-
-/// Whether two points have the same values; NaN is NaN.
-bool areSame(const float* a, const float* b, int components) {
-  for (int c = 0; c < components; c++)
-    if (a[c] != b[c] && !(std::isnan(a[c]) && std::isnan(b[c]))) return false;
-  return true;
-}
-
 template <size_t N>
 using CellPoints = std::array<uint32_t, N>;
 
@@ -62,7 +52,7 @@ class BlockMaker {
   BlockMaker(MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts)
       : piece_(std::move(piece)), partitioning_(partitioning), partition_(partition), counts_(counts) {}
 
-  MeshBlock make(const Advance& advance) {
+  MeshBlock make(const Advance& advance, PointSources* sources) {
     placePoints(partOf(advance, 0, 4));
     collapseHexahedra();
     const Advance ordering = partOf(advance, 1, 4);
@@ -71,15 +61,22 @@ class BlockMaker {
     orderCells<6>(CellType::Wedge, partOf(ordering, 2, kCellTypes));
     orderCells<8>(CellType::Hexahedron, partOf(ordering, 3, kCellTypes));
     if (dropped_) dropUnusedPoints();
-    countPoints();
+    for (const uint8_t isHere : sources_.isHere) counts_.points += isHere;
+    for (const PointSources::Source& source : sources_.sources) counts_.mergedPoints += source.merged;
+    MeshBlock block;
+    block.values = valuesOfBlock(sources_, piece_.values, piece_.components, partition_, counts_);
+    piece_.values = {};
     advance(0.5);
-    Connectivity found = connect(block_.cells, block_.points.size());
-    block_.neighbours = std::move(found.neighbours);
-    block_.shell = std::move(found.shell);
-    for (const uint32_t point : found.crowdedAt) counts_.crowdedFaces += isHere_[point];
-    countFoldedFaces();
+    Connectivity found = connect(cells_, points_.size());
+    for (const uint32_t point : found.crowdedAt) counts_.crowdedFaces += sources_.isHere[point];
+    countFoldedFaces(found);
+    if (sources) *sources = std::move(sources_);
+    block.points = std::move(points_);
+    block.cells.points = shared(std::move(cells_.points));
+    block.neighbours = shared(std::move(found.neighbours));
+    block.shell = std::move(found.shell);
     advance(1);
-    return std::move(block_);
+    return block;
   }
 
  private:
@@ -115,29 +112,29 @@ class BlockMaker {
 
   Plane planeOf(const CellFace& face, std::span<const uint32_t> cell) const {
     std::array<glm::dvec3, 4> p{};
-    for (size_t k = 0; k < face.corners; k++) p[k] = block_.points[cell[face.corner[k]]];
+    for (size_t k = 0; k < face.corners; k++) p[k] = points_[cell[face.corner[k]]];
     if (face.corners == 3) return {p[0], glm::cross(p[1] - p[0], p[2] - p[0])};
     return {(p[0] + p[1] + p[2] + p[3]) * 0.25, glm::cross(p[2] - p[0], p[3] - p[1])};
   }
 
   /// The middle of a cell's points that do not belong to a face. It is on the same side of the face as the middle of the cell.
   glm::dvec3 middleBeside(FaceId id) const {
-    const auto cell = block_.cells.pointsOf(cellOf(id));
-    const CellFace& face = shapeOf(block_.cells.typeOf(cellOf(id))).face[size_t(faceOf(id))];
+    const auto cell = cells_.pointsOf(cellOf(id));
+    const CellFace& face = shapeOf(cells_.typeOf(cellOf(id))).face[size_t(faceOf(id))];
     glm::dvec3 sum(0);
     for (size_t i = 0; i < cell.size(); i++)
       if (std::find(face.corner.begin(), face.corner.begin() + face.corners, i) ==
           face.corner.begin() + face.corners)
-        sum += block_.points[cell[i]];
+        sum += points_[cell[i]];
     return sum / double(cell.size() - face.corners);
   }
 
-  void countFoldedFaces() {
+  void countFoldedFaces(const Connectivity& found) {
     for (const CellType type : kAllCellTypes) {
       const CellShape& shape = shapeOf(type);
-      const uint32_t first = block_.cells.first(type);
-      const std::vector<FaceId>& neighbours = block_.neighbours[size_t(type)];
-      const std::span<const uint32_t> cells = block_.cells.points[size_t(type)];
+      const uint32_t first = cells_.first(type);
+      const std::vector<FaceId>& neighbours = found.neighbours[size_t(type)];
+      const std::span<const uint32_t> cells = cells_.points[size_t(type)];
       for (size_t i = 0; i < neighbours.size(); i++) {
         const size_t cell = i / shape.faces, f = i % shape.faces;
         const FaceId id = faceId(first + uint32_t(cell), int(f)), other = neighbours[i];
@@ -146,7 +143,7 @@ class BlockMaker {
         uint32_t lowest = points[shape.face[f].corner[0]];
         for (size_t k = 1; k < shape.face[f].corners; k++)
           lowest = std::min(lowest, points[shape.face[f].corner[k]]);
-        if (!isHere_[lowest]) continue;
+        if (!sources_.isHere[lowest]) continue;
         const Plane plane = planeOf(shape.face[f], points);
         counts_.foldedFaces += plane.sideOf(middleBeside(id)) * plane.sideOf(middleBeside(other)) >= 0;
       }
@@ -163,31 +160,25 @@ class BlockMaker {
   void placePoints(const Advance& advance) {
     const std::vector<Place> places = orderedPlaces(advance);
     numberOf_.resize(piece_.points.size());
-    const size_t components = size_t(piece_.components);
-    block_.points.reserve(places.size());
-    block_.values.reserve(places.size() * components);
-    isHere_.reserve(places.size());
+    points_.reserve(places.size());
+    std::vector<uint8_t>& isHere = sources_.isHere;
+    isHere.reserve(places.size());
+    sources_.sources.reserve(places.size());
+    sources_.pointsOfPiece = piece_.points.size();
     uint64_t lastNumber = 0;  // several ranks may have read a point
     for (const auto& [along, point] : places) {
       const glm::dvec3& p = piece_.points[point];
-      const float* values = piece_.values.data() + point * components;
-      if (block_.points.empty() || block_.points.back() != p) {
-        block_.points.push_back(p);
-        block_.values.insert(block_.values.end(), values, values + components);
-        isHere_.push_back(partitioning_.partitions() == 1 || partitioning_.nearest(p) == partition_);
-      } else if (isHere_.back() && piece_.numbers[point] != lastNumber) {
-        counts_.mergedPoints++;
-        if (!areSame(values, block_.values.data() + block_.values.size() - components, piece_.components)) {
-          counts_.differingPoints++;
-          const auto number = uint32_t(block_.points.size() - 1);
-          if (differing_.empty() || differing_.back() != number) differing_.push_back(number);
-        }
+      const bool isNew = points_.empty() || points_.back() != p;
+      if (isNew) {
+        points_.push_back(p);
+        isHere.push_back(partitioning_.partitions() == 1 || partitioning_.nearest(p) == partition_);
       }
-      numberOf_[point] = uint32_t(block_.points.size() - 1);
+      numberOf_[point] = uint32_t(points_.size() - 1);
+      const bool merged = !isNew && isHere.back() && piece_.numbers[point] != lastNumber;
+      sources_.sources.push_back({point, numberOf_[point], merged});
       lastNumber = piece_.numbers[point];
     }
     piece_.points = {};
-    piece_.values = {};
     piece_.numbers = {};
   }
 
@@ -230,9 +221,9 @@ class BlockMaker {
   template <size_t N>
   void orderCells(CellType type, const Advance& advance) {
     std::vector<uint32_t>& read = piece_.cells.points[size_t(type)];
-    std::vector<uint32_t>& made = block_.cells.points[size_t(type)];
+    std::vector<uint32_t>& made = cells_.points[size_t(type)];
     if (read.empty()) return;
-    std::vector<size_t> end(block_.points.size() + 1, 0);
+    std::vector<size_t> end(points_.size() + 1, 0);
     size_t kept = 0;
     for (size_t at = 0, n = read.size(); at < n; at += N) {
       tell(advance, at / N, n / N);
@@ -240,7 +231,7 @@ class BlockMaker {
       for (size_t i = 0; i < N; i++) cell[i] = numberOf_[read[at + i]];
       const CellPoints<N> sorted = ascending(cell);
       if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
-        counts_.degenerateCells += isHere_[sorted[0]];
+        counts_.degenerateCells += sources_.isHere[sorted[0]];
         dropped_ = true;
         continue;
       }
@@ -263,10 +254,10 @@ class BlockMaker {
     for (const CellPoints<N>& cell : cells) {
       const CellPoints<N> sorted = ascending(cell);
       if (!made.empty() && sorted == last) {
-        counts_.repeatedCells += isHere_[sorted[0]];
+        counts_.repeatedCells += sources_.isHere[sorted[0]];
         continue;
       }
-      counts_.cells[size_t(type)] += isHere_[sorted[0]];
+      counts_.cells[size_t(type)] += sources_.isHere[sorted[0]];
       made.insert(made.end(), cell.begin(), cell.end());
       last = sorted;
     }
@@ -289,51 +280,35 @@ class BlockMaker {
   }
 
   void dropUnusedPoints() {
-    std::vector<uint32_t> numbers(block_.points.size(), 0);
-    for (const auto& cells : block_.cells.points)
-      for (const uint32_t point : cells) numbers[point] = 1;
-    const size_t components = size_t(piece_.components);
+    constexpr uint32_t kNone = UINT32_MAX;
+    std::vector<uint32_t> numbers(points_.size(), kNone);
+    for (const auto& cells : cells_.points)
+      for (const uint32_t point : cells) numbers[point] = 0;
     uint32_t kept = 0;
-    std::vector<uint32_t> differing;
-    auto next = differing_.begin();
     for (size_t p = 0; p < numbers.size(); p++) {
-      const bool differs = next != differing_.end() && *next == p;
-      if (differs) ++next;
-      if (numbers[p] == 0) continue;
-      if (differs) differing.push_back(kept);
-      block_.points[kept] = block_.points[p];
-      std::copy_n(block_.values.begin() + std::ptrdiff_t(p * components), components,
-                  block_.values.begin() + std::ptrdiff_t(kept * components));
-      isHere_[kept] = isHere_[p];
+      if (numbers[p] == kNone) continue;
+      points_[kept] = points_[p];
+      sources_.isHere[kept] = sources_.isHere[p];
       numbers[p] = kept++;
     }
-    block_.points.resize(kept);
-    block_.values.resize(kept * components);
-    isHere_.resize(kept);
-    differing_ = std::move(differing);
-    for (auto& cells : block_.cells.points)
+    points_.resize(kept);
+    sources_.isHere.resize(kept);
+    std::erase_if(sources_.sources,
+                  [&](const PointSources::Source& source) { return numbers[source.to] == kNone; });
+    for (PointSources::Source& source : sources_.sources) source.to = numbers[source.to];
+    for (auto& cells : cells_.points)
       for (uint32_t& point : cells) point = numbers[point];
-  }
-
-  void countPoints() {
-    for (size_t p = 0; p < block_.points.size(); p++) {
-      if (!isHere_[p]) continue;
-      counts_.points++;
-      const size_t components = size_t(piece_.components);
-      counts_.noDataPoints += isNoData(block_.values.data() + p * components, piece_.components);
-    }
-    if (!differing_.empty()) counts_.differing[partition_] = std::move(differing_);
   }
 
   MeshPiece piece_;
   const Partitioning& partitioning_;
   const int partition_;
   MeshBlockCounts& counts_;
-  MeshBlock block_;
-  std::vector<uint32_t> numberOf_;   // by point of the piece: its number in the block
-  std::vector<uint8_t> isHere_;      // by point of the block: whether it is counted in this partition
-  std::vector<uint32_t> differing_;  // ascending
-  bool dropped_ = false;             // a cell, which may have been the only one with its points
+  std::vector<glm::dvec3> points_;  // of the block, as are the next two
+  MeshCells cells_;
+  PointSources sources_;
+  std::vector<uint32_t> numberOf_;  // by point of the piece: its number in the block
+  bool dropped_ = false;            // a cell, which may have been the only one with its points
 };
 
 }  // namespace
@@ -362,9 +337,9 @@ void validate(const MeshPiece& piece) {
 }
 
 MeshBlock meshBlock(MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts,
-                    const Advance& advance) {
+                    const Advance& advance, PointSources* sources) {
   validate(piece);
-  return BlockMaker(std::move(piece), partitioning, partition, counts).make(advance);
+  return BlockMaker(std::move(piece), partitioning, partition, counts).make(advance, sources);
 }
 
 }  // namespace gxy

@@ -18,7 +18,6 @@
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
 #include "core/comm/wire.h"
-#include "core/data/merge_ranges.h"
 #include "core/io/file.h"
 #include "core/io/legacy_vtk.h"
 
@@ -221,23 +220,6 @@ void tellWarnings(const std::vector<std::string>& texts, const Collectives& rank
   }
 }
 
-/// Ranges of components and of the magnitude, and the box, of what this rank has read.
-void measure(LoadedMesh& loaded, const std::vector<double>& values, const Advance& advance) {
-  const size_t components = size_t(loaded.piece.components);
-  loaded.ranges.assign(components > 1 ? components + 1 : 1, {});
-  for (size_t p = 0; p < loaded.piece.points.size(); p++) {
-    tell(advance, p, loaded.piece.points.size());
-    loaded.box.extend(loaded.piece.points[p]);
-    double sum = 0;
-    for (size_t c = 0; c < components; c++) {
-      const double value = values[p * components + c];
-      loaded.ranges[c].extend(value);
-      sum += value * value;
-    }
-    if (components > 1) loaded.ranges.back().extend(std::sqrt(sum));
-  }
-}
-
 std::string plural(uint64_t count, const char* one, const char* several) {
   return std::to_string(count) + " " + (count == 1 ? one : several);
 }
@@ -271,57 +253,32 @@ LoadedMesh loadMesh(const std::string& path, const std::string& array, Collectiv
   loaded.report.flatCells = all.flatCells;
   loaded.report.ghostCells = all.ghostCells;
   loaded.report.unusableCells = all.unusableCells;
-  MeshPiece& piece = loaded.piece;
+  MeshPiece piece;
   piece.components = all.components;
   piece.points = std::move(content.points);
   piece.numbers = std::move(content.numbers);
   piece.cells = std::move(content.cells);
   for (uint64_t& number : piece.numbers) number += all.pointsBefore;
-  agree(ranks, [&] { measure(loaded, content.values, [&](double) { ranks.check(); }); });
-  mergeBox(ranks, loaded.box);
-  mergeRanges(ranks, loaded.ranges);
-  agree(ranks, [&] {
-    Range ofAll;
-    for (size_t c = 0; c < size_t(all.components); c++) ofAll.extend(loaded.ranges[c]);
-    const Encoding encoding = encodingOf(all.type, all.components, ofAll);
-    loaded.shift = encoding.shift;
-    loaded.scale = encoding.scale;
-    if (toTake) toTake(int64_t(content.values.size() * sizeof(float)));
-    const Samples stored =
-        convert(std::as_bytes(std::span(content.values)), ScalarType::Float64,
-                {ScalarType::Float32, encoding.shift, encoding.scale}, [&](double) { ranks.check(); });
-    piece.values.resize(content.values.size());
-    if (!stored.empty()) std::memcpy(piece.values.data(), stored.data(), stored.size());
-  });
+  static_cast<EncodedMesh&>(loaded) =
+      encodedMesh(std::move(piece), all.type, std::move(content.values), ranks, toTake);
   return loaded;
 }
 
 std::shared_ptr<const Mesh> meshOf(LoadedMesh loaded, const Partitioning& partitioning, Collectives& ranks,
                                    const TakeMemory& toTake, std::vector<std::string>* warnings) {
-  auto mesh = std::make_shared<Mesh>();
-  mesh->name = loaded.name;
-  mesh->components = loaded.piece.components;
-  mesh->shift = loaded.shift;
-  mesh->scale = loaded.scale;
-  mesh->ranges = std::move(loaded.ranges);
-  mesh->box = loaded.box;
-  mesh->report = loaded.report;
-  MeshBlockCounts counts;
-  mesh->blocks = distribute(std::move(loaded.piece), partitioning, counts, ranks, toTake);
+  const std::string name = loaded.name, path = loaded.path;
+  const MeshReport read = loaded.report;
+  auto mesh =
+      std::make_shared<Mesh>(completeMesh(static_cast<EncodedMesh&&>(loaded), partitioning, ranks, toTake));
+  mesh->name = name;
   MeshReport& report = mesh->report;
-  report.cells = counts.cells;
-  report.points = counts.points;
-  report.repeatedCells = counts.repeatedCells;
-  report.degenerateCells = counts.degenerateCells;
-  report.mergedPoints = counts.mergedPoints;
-  report.differingPoints = counts.differingPoints;
-  report.crowdedFaces = counts.crowdedFaces;
-  report.foldedFaces = counts.foldedFaces;
-  report.noDataPoints = counts.noDataPoints;
+  report.flatCells = read.flatCells;
+  report.ghostCells = read.ghostCells;
+  report.unusableCells = read.unusableCells;
   if (report.points == 0)
-    throw Error(loaded.path + ": all of its " + std::to_string(report.degenerateCells) +
+    throw Error(path + ": all of its " + std::to_string(report.degenerateCells) +
                 " cells have a point twice, expected cells with a volume");
-  tellWarnings(warningsOf(report, loaded.path), ranks, warnings);
+  tellWarnings(warningsOf(report, path), ranks, warnings);
   return mesh;
 }
 

@@ -76,7 +76,7 @@ class Simulation {
     return gxy_result(gxy_field(sim_, mesh, 0, name, GXY_OF_POINTS, values));
   }
 
-  /// Says which lines or triangles this rank has now, as gxy_cells() does; row() makes the arrays, and allOf() one for cells of one type. Without
+  /// Says which lines, triangles or cells with a volume this rank has now, as gxy_cells() does; row() makes the arrays, and allOf() one for cells of one type. Without
   /// `offsets`, all cells are of one type with a fixed number of points. Called again, with all fields, when the cells change.
   gxy_result cells(std::int64_t points, const gxy_array& positions, std::int64_t cells,
                    const gxy_array& types, const gxy_array& connectivity,

@@ -52,8 +52,12 @@ program fortran_test
   e = gxy_cells(sim, "surface", 2, a, 1, gxy_all_of(GXY_POLY_LINE), gxy_values(numbers(1, 1, 1), [2]), &
     gxy_values(long_numbers(1), [2]))
   call check(e == GXY_TAKEN, "lines with offsets are not taken: " // gxy_message(sim))
-  e = gxy_cells(sim, "surface", 2_c_int64_t, a, 1_c_int64_t, gxy_all_of(10), gxy_values(numbers(1, 1, 1), [2]))
+  e = gxy_cells(sim, "surface", 2_c_int64_t, a, 1_c_int64_t, gxy_all_of(82), gxy_values(numbers(1, 1, 1), [2]))
   call check(e == GXY_WRONG, "cells without a type are taken")
+  e = gxy_cells(sim, "surface", 2, a, 1, gxy_all_of(24), gxy_values(numbers(1, 1, 1), [2]))
+  call check(e == GXY_WRONG .and. index(gxy_message(sim), "24 (quadratic tetrahedra)") > 0, "quadratic cells are not named")
+  e = gxy_cells(sim, "volume", 2, a, 1, gxy_all_of(GXY_PYRAMID), gxy_values(numbers(1, 1, 1), [5]))
+  call check(e == GXY_TAKEN, "a pyramid is not taken: " // gxy_message(sim))
   e = gxy_field(sim, "surface", 0, "region", GXY_OF_CELLS, gxy_values(long_numbers(1), [2]))
   call check(e == GXY_TAKEN, "a field of cells is not taken: " // gxy_message(sim))
   call check(gxy_publish(sim, 1, 0.5d0) == GXY_OFF, "a step is not off")
