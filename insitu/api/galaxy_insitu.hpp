@@ -163,7 +163,7 @@ gxy_array row(const T* first, int components = 1, std::int64_t stride = 0) noexc
 
 /// Types of cells that are all of this one.
 inline gxy_array allOf(gxy_cell type) noexcept {
-  static const std::uint8_t types[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  static const std::uint8_t types[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
   return strided(&types[type], {{0, 0, 0}});
 }
 

@@ -72,7 +72,7 @@ void StreamPart::plan(StreamPlan plan) {
   ghosts_ = std::move(ghosts);
   for (size_t m = 0; m < plan_->meshes.size(); m++)
     if (plan_->meshes[m].shape == insitu::Mesh::Shape::Volume)
-      kept_[m].layout.reset();  // It is of other partitions, perhaps.
+      kept_[m].keep(nullptr);  // It is of other partitions, perhaps.
   expect(expected_);
 }
 
@@ -106,9 +106,10 @@ void StreamPart::send(int rank, protocol::WireMessage message) {
   if (const auto link = links_.find(rank); link != links_.end()) link->second.link->send(std::move(message));
 }
 
-void StreamPart::bye(const std::string& reason) {
+void StreamPart::end(const std::string& reason) {
   const std::lock_guard lock(mutex_);
   over_ = true;
+  for (auto& [mesh, kept] : kept_) kept.keep(nullptr);
   for (const auto& [rank, link] : links_) link.link->bye(reason);
 }
 
@@ -268,7 +269,7 @@ void StreamPart::learnEncodings(const std::vector<std::shared_ptr<Dataset>>& dat
 uint64_t StreamPart::stepsWithTheSameCells() const {
   const std::lock_guard lock(mutex_);
   uint64_t steps = 0;
-  for (const auto& [mesh, kept] : kept_) steps += kept.used;
+  for (const auto& [mesh, kept] : kept_) steps += kept.uses();
   return steps;
 }
 

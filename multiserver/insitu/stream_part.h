@@ -70,7 +70,8 @@ class StreamPart {
   bool connect(int rank, std::shared_ptr<DataLink> link, insitu::Checksum checksum);
   void disconnect(int rank, const std::string& reason, bool regularly);
   void send(int rank, protocol::WireMessage message);
-  void bye(const std::string& reason);
+  /// Says bye on all connections. Forgets what was kept for further steps.
+  void end(const std::string& reason);
   size_t connections() const;
   size_t checkedConnections() const;  ///< those whose pieces have checksums
   bool isConnected(int rank) const;
@@ -110,7 +111,7 @@ class StreamPart {
     insitu::Checksum checksum = insitu::Checksum::None;
   };
   std::map<int, Link> links_;  ///< by rank of the simulation
-  bool over_ = false;          ///< bye() has been said
+  bool over_ = false;          ///< end() has been said
   std::optional<StreamPlan> plan_;
   std::vector<std::optional<GhostPlan>> ghosts_;  ///< by mesh; of grids
   std::optional<insitu::Receiver> receiver_;

@@ -172,23 +172,23 @@ std::shared_ptr<Dataset> VolumeRoom::dataset(size_t field, const VolumeLayout& l
 
 std::vector<std::shared_ptr<Dataset>> VolumeRoom::complete(Collectives& ranks) {
   const std::array<uint64_t, 2> sent = content();
-  const bool isKept = kept_.layout && kept_.layout->content == sent;
+  std::shared_ptr<const VolumeLayout> layout = kept_.layout();
+  const bool isKept = layout && layout->content == sent;
   const bool areAllKept = sumOfCounts(ranks, isKept) == uint64_t(ranks.size());
   std::vector<std::shared_ptr<Dataset>> datasets;
-  std::unique_ptr<VolumeLayout> made;
   if (!areAllKept) {
-    made = std::make_unique<VolumeLayout>();
+    const auto made = std::make_shared<VolumeLayout>();
     made->content = sent;
     datasets.push_back(firstDataset(*made, ranks));
+    layout = made;
   }
-  const VolumeLayout& layout = areAllKept ? *kept_.layout : *made;
   for (size_t f = datasets.size(); f < sent_.mesh().fields.size(); f++)
-    datasets.push_back(dataset(f, layout, ranks));
+    datasets.push_back(dataset(f, *layout, ranks));
   sent_.clear();
-  if (made)
-    kept_.layout = std::move(made);
+  if (areAllKept)
+    kept_.countUse();
   else
-    kept_.used++;
+    kept_.keep(std::move(layout));
   return datasets;
 }
 

@@ -2,10 +2,10 @@
 // Room on one rank for the cells of an unstructured volume in one step.
 #pragma once
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "core/data/complete_mesh.h"
@@ -28,10 +28,32 @@ struct VolumeLayout {
   LedgerEntry ownMemory;                      ///< of all else
 };
 
-/// What is kept of a mesh from one step to the next.
-struct KeptVolume {
-  std::unique_ptr<const VolumeLayout> layout;  ///< null: the next one is made anew
-  std::atomic<uint64_t> used{0};               ///< steps that had the points and cells of the step before
+/// What is kept of a mesh from one step to the next. Thread safe.
+class KeptVolume {
+ public:
+  /// Null: the next one is made anew.
+  std::shared_ptr<const VolumeLayout> layout() const {
+    const std::lock_guard lock(mutex_);
+    return layout_;
+  }
+  void keep(std::shared_ptr<const VolumeLayout> layout) {
+    const std::lock_guard lock(mutex_);
+    layout_.swap(layout);
+  }
+  /// Counts a step that had the points and cells of the step before.
+  void countUse() {
+    const std::lock_guard lock(mutex_);
+    uses_++;
+  }
+  uint64_t uses() const {
+    const std::lock_guard lock(mutex_);
+    return uses_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<const VolumeLayout> layout_;
+  uint64_t uses_ = 0;
 };
 
 /// Takes memory when a rank of the simulation says how many points, cells and corners it has.

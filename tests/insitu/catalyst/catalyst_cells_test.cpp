@@ -182,16 +182,16 @@ TEST_F(Catalyst, OtherElementsAreLeftOutAndWrongOnesTold) {
       "topologies/mesh: elements of shape \"polyhedral\" are not taken so far, expected \"line\", \"tri\", "
       "\"quad\", \"tet\", \"hex\", \"wedge\" or \"pyramid\", or \"mixed\", left out");
   Mixed others;
-  others.set(Surface::kSea + "/topologies/mesh/elements/shape_map/polygonal", 9);
+  others.step(2), others.set(Mixed::kElements + "shape_map/polygonal", 9);
   EXPECT_EQ(execute(others), 0);
   expectSaid("topologies/mesh: elements of shape \"polygonal\" are not taken so far");
   EXPECT_TRUE(recorded().points.empty());
   Surface some("tri", 4, {0, 1, 2, 3}, 1);
-  some.step(2);
+  some.step(3);
   EXPECT_EQ(execute(some), kWrong);
   expectSaid("elements/connectivity: found 4 points, expected 3 for each of the elements");
   Surface fewer("tri", 4, {0, 1, 2}, 2);
-  fewer.step(3);
+  fewer.step(4);
   EXPECT_EQ(execute(fewer), kWrong);
   expectSaid("fields/region/values: found 2 values, expected 1, one for each of the elements");
 }
