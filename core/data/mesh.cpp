@@ -80,7 +80,7 @@ int64_t bytesOf(const Mesh& mesh) {
   size_t bytes = 0;
   for (const auto& [partition, block] : mesh.blocks) {
     bytes += block.points.size() * sizeof(glm::dvec3) + block.values.size() * sizeof(float) +
-             block.shell.size() * sizeof(FaceId);
+             block.cellValues.size() * sizeof(float) + block.shell.size() * sizeof(FaceId);
     for (const CellType type : kAllCellTypes)
       bytes += block.cells.points[size_t(type)].size() * sizeof(uint32_t) +
                block.neighbours[size_t(type)].size() * sizeof(FaceId);
