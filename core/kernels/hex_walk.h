@@ -61,20 +61,26 @@ FN real errorAllowed(MAP map, CellCurve c, CurveInMap lies, real range, real spa
 }
 
 // Integrates the part from uFrom to uTo of the way through a hexahedron, from p to q, whose reference coordinates are `at` and `last`. If the
-// cubic of the way is not near enough to the field in its middle, the way is cut into equal pieces, whose ends Newton's method finds. Returns
-// whether the map shows something.
-FN bool integrateInHexahedron(MAP map, Hexahedron h, SidePoint p, vec3 at, SidePoint q, vec3 last,
-                              real length, real uFrom, real uTo, real span, real tMin, INOUT(vec3) rgb,
-                              INOUT(real) A) {
-  real low = lowestOf(h), high = highestOf(h);
-  CellCurve whole;
-  whole.cubic = cubicBetween(h, p, at, q, last, length, low, high);
-  whole.low = low;
-  whole.high = high;
+// cubic of the way is not near enough to the field in its middle, the way is cut into equal pieces, whose ends Newton's method finds.
+// `constant`: the cell has one value everywhere. Returns whether the map shows something.
+FN bool integrateInHexahedron(MAP map, Hexahedron h, UNIFORM bool constant, real value, SidePoint p, vec3 at,
+                              SidePoint q, vec3 last, real length, real uFrom, real uTo, real span, real tMin,
+                              INOUT(vec3) rgb, INOUT(real) A) {
+  real low = value, high = value;
+  CellCurve whole = linearCurve(value, value);
+  if (!constant) {
+    low = lowestOf(h);
+    high = highestOf(h);
+    whole.cubic = cubicBetween(h, p, at, q, last, length, low, high);
+    whole.low = low;
+    whole.high = high;
+  }
   CurveInMap lies = curveInMap(map, whole);
   if (lies.seen) {
-    real pieces =
-        piecesOf(h, whole.cubic, p, at, q, last, errorAllowed(map, whole, lies, high - low, span, tMin));
+    real pieces = R(1.0);
+    if (!constant)
+      pieces =
+          piecesOf(h, whole.cubic, p, at, q, last, errorAllowed(map, whole, lies, high - low, span, tMin));
     SidePoint from = p;
     vec3 place = at;
     real i = R(0.0), part = R(1.0) / pieces;
@@ -89,10 +95,12 @@ FN bool integrateInHexahedron(MAP map, Hexahedron h, SidePoint p, vec3 at, SideP
         vec4 there = trilinearIn(h, then);
         to.value = there.w;
       }
-      CellCurve curve;
-      curve.cubic = cubicBetween(h, from, place, to, then, length * part, low, high);
-      curve.low = min(min(curve.cubic.x, curve.cubic.y), min(curve.cubic.z, curve.cubic.w));
-      curve.high = max(max(curve.cubic.x, curve.cubic.y), max(curve.cubic.z, curve.cubic.w));
+      CellCurve curve = whole;
+      if (!constant) {
+        curve.cubic = cubicBetween(h, from, place, to, then, length * part, low, high);
+        curve.low = min(min(curve.cubic.x, curve.cubic.y), min(curve.cubic.z, curve.cubic.w));
+        curve.high = max(max(curve.cubic.x, curve.cubic.y), max(curve.cubic.z, curve.cubic.w));
+      }
       CurveInMap here = curveInMap(map, curve);
       real a = clamp1((uFrom - u) * pieces, R(0.0), R(1.0)), b = clamp1((uTo - u) * pieces, R(0.0), R(1.0));
       if (here.seen && b > a) addPart(map, curve, true, here, a, b, span * part, tMin, rgb, A);
@@ -101,6 +109,17 @@ FN bool integrateInHexahedron(MAP map, Hexahedron h, SidePoint p, vec3 at, SideP
     }
   }
   return lies.seen;
+}
+
+// Whether a cell is seen at all: it has a value of its own, or values at its corners, or both, as the operator shows it.
+FN bool hexHoldsData(OPERATOR op, Hexahedron h, uint cell) {
+  bool holds = true;
+  if (op.constantCells == 0) holds = isFinite(h);
+  if (hasValues(op)) {
+    real value = cellValue(op, cell);
+    holds = holds && value - value == R(0.0);
+  }
+  return holds;
 }
 
 // As walkMesh().
@@ -115,6 +134,7 @@ FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(Me
   real A = L.A, largest = max(w.largest, p.z * r.frame.perDepth), begin = max(w.t0, m.tStart);
   int evaluated = 0, crossed = 0;
   bool goes = true;
+  UNIFORM bool constant = op.constantCells != 0;
   while (goes && face != NO_FACE) {
     uint cell = face >> 3, side = face & 7u;
     if (crossed > 0) {
@@ -138,15 +158,17 @@ FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(Me
       real start = max(before, begin);
       if (to > m.tOut) {
         goes = false;  // the cell belongs to the next partition
-      } else if (to > start && isFinite(h)) {
+      } else if (to > start && hexHoldsData(op, h, cell)) {
         // The two cells of a triangle have different coordinates in it.
         if (isTriangle(side, orders)) p = sidePoint(h, side, orders);
         real span = largest - before;
         vec3 at = referencePlace(orderedCorners(side, orders), p.u, p.v);
         vec3 last = referencePlace(orderedCorners(next, orders), q.u, q.v);
-        bool seen =
-            integrateInHexahedron(op.map, h, p, at, q, last, span / r.frame.perDepth, (start - before) / span,
-                                  to < largest ? (to - before) / span : R(1.0), span, m.tMin, rgb, A);
+        real value = R(0.0);
+        if (constant) value = cellValue(op, cell);
+        bool seen = integrateInHexahedron(op.map, h, constant, value, p, at, q, last, span / r.frame.perDepth,
+                                          (start - before) / span,
+                                          to < largest ? (to - before) / span : R(1.0), span, m.tMin, rgb, A);
         evaluated += seen ? 1 : 0;
       }
       if (to >= w.end || to >= m.tOut || R(1.0) - A < m.tMin) goes = false;
