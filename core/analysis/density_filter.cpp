@@ -116,7 +116,7 @@ FilterInfo DensitySampler::info() {
           "n of them are the points "
           "for a smaller `count`.",
           {{"field", kVolumes, "The field."},
-           {"values", kVolumes, "Further volumes whose values the points get.", FilterPort::Count::Any}},
+           {"values", kVolumes | kUnstructured, "Further volumes whose values the points get.", FilterPort::Count::Any}},
           DatasetType::Particles};
 }
 
@@ -173,7 +173,7 @@ FilterResult DensitySampler::run(FilterRun& run) const {
   const std::span<const FilterSource> further =
       values == run.inputs().end() ? std::span<const FilterSource>() : values->second;
   agree(ranks, [&] {
-    number = componentOf(*field.volume, source.name, component);
+    number = componentOf(field.components(), source.name, component);
     checkNames(further, "DensitySampler", gradient);
   });
   run.begin(0, 2, "bounds of the density");

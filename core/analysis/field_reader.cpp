@@ -106,11 +106,11 @@ glm::dvec3 FieldReader::gradient(int partition, const GridPlace& place, int comp
          volume_.grid.spacing;
 }
 
-int componentOf(const Volume& volume, const std::string& dataset, std::optional<int> component) {
-  if (!component) return volume.components == 1 ? 0 : -1;
-  if (*component < volume.components) return *component;
+int componentOf(int components, const std::string& dataset, std::optional<int> component) {
+  if (!component) return components == 1 ? 0 : -1;
+  if (*component < components) return *component;
   throw Error(inQuotes(dataset) + ": there is no component " + std::to_string(*component) +
-              ", expected 0 to " + std::to_string(volume.components - 1));
+              ", expected 0 to " + std::to_string(components - 1));
 }
 
 }  // namespace gxy

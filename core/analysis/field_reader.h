@@ -54,8 +54,8 @@ class FieldReader {
   std::map<int, Block> blocks_;
 };
 
-/// Checks a component that a user names: of a volume with one component it may be absent, of others then the magnitude is meant. Returns
+/// Checks a component that a user names of a volume with so many: of one it may be absent, of several then the magnitude is meant. Returns
 /// the number for FieldReader::value(). Throws Error that names the dataset.
-int componentOf(const Volume& volume, const std::string& dataset, std::optional<int> component);
+int componentOf(int components, const std::string& dataset, std::optional<int> component);
 
 }  // namespace gxy

@@ -3,18 +3,21 @@
 #pragma once
 #include <functional>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/analysis/field_reader.h"
+#include "core/analysis/filter.h"
+#include "core/analysis/mesh_reader.h"
 #include "core/comm/collectives.h"
 
 namespace gxy {
 
 struct FieldValues {
   std::vector<float> values;  ///< for each point of this rank, those of all components that were asked for
-  uint64_t outside = 0;       ///< points outside the data's box, on all ranks; their values are NaN
-  uint64_t noData = 0;        ///< points in cells without data, on all ranks; their values are NaN
+  uint64_t outside = 0;  ///< points outside the data's box, or in no cell, on all ranks; their values are NaN
+  uint64_t noData = 0;   ///< points in cells without data, on all ranks; their values are NaN
 };
 
 /// Computes what is wanted at a place: writes as many numbers as the caller has said.
@@ -27,9 +30,21 @@ using ReadPlace =
 FieldValues readAt(const Volume& volume, const Partitioning& partitioning, size_t count,
                    const ReadPlace& read, std::span<const glm::dvec3> points, Collectives& ranks);
 
-/// Collective. Returns the values of `components` (as of FieldReader::value) at the points that each rank gives,
-/// as readAt() does.
-FieldValues valuesAt(const Volume& volume, const Partitioning& partitioning, std::span<const int> components,
-                     std::span<const glm::dvec3> points, Collectives& ranks);
+/// Reads values of a volume, on a grid or unstructured, at points of any rank.
+class ValueReader {
+ public:
+  /// Collective. Makes what finds the cells of points, and takes memory for it from the run. If any rank fails, all throw the same Error.
+  ValueReader(FilterRun& run, const FilterSource& field);
+  ~ValueReader();
+
+  /// Collective. Returns the values of `components` (as of FieldReader::value) at the points that each rank gives, as readAt() does.
+  FieldValues at(std::span<const int> components, std::span<const glm::dvec3> points,
+                 Collectives& ranks) const;
+
+ private:
+  std::shared_ptr<const Dataset> field_;
+  LedgerEntry memory_;
+  std::unique_ptr<const MeshReader> mesh_;  ///< null on a grid
+};
 
 }  // namespace gxy

@@ -21,10 +21,12 @@ void checkTypes(const FilterSchema& schema, const FilterRun& run) {
   DatasetSpec entry;
   entry.filter = schema.name;
   std::map<std::string, DatasetType> types;
-  for (const auto& [port, list] : run.inputs()) {
-    FilterInput& input = entry.inputs.emplace_back(FilterInput{port, {}});
+  for (const auto& [name, list] : run.inputs()) {
+    FilterInput& input = entry.inputs.emplace_back(FilterInput{name, {}});
+    const FilterPort* port = schema.port(name);
     for (const FilterSource& source : list) {
-      refuseMesh(*source.data, source.name, "filter " + schema.name);
+      if (!port || !(port->types & kUnstructured))
+        refuseMesh(*source.data, source.name, "filter " + schema.name);
       input.datasets.push_back(source.name);
       types[source.name] = typeOf(*source.data);
     }

@@ -18,7 +18,7 @@ FilterInfo Interpolate::info() {
       "that they had. What is shown is the first field; operators show the others by `array`. "
       "Points outside a field, and in its cells without data, have no value (NaN), and are counted.",
       {{"points", kParticles | kPathLines | kTriangles, "The points."},
-       {"fields", kVolumes, "The fields.", FilterPort::Count::Many}},
+       {"fields", kVolumes | kUnstructured, "The fields.", FilterPort::Count::Many}},
       DatasetType::Particles};
   info.makesLike = "points";
   return info;
@@ -40,14 +40,14 @@ FilterResult Interpolate::run(FilterRun& run) const {
   const Dataset& points = *run.input("points").data;
   const std::vector<FilterSource>& fields = run.inputs().at("fields");
   const FilterSource& first = fields.front();
-  const Volume& shown = *first.data->volume;
+  const int components = first.data->components();
   GeometryBlock block;
   std::vector<LedgerEntry> memory;
   int number = 0;
   run.begin(0, 1, "values at points");
   agree(run.ranks, [&] {
     checkNames(fields, "Interpolate");
-    number = componentOf(shown, first.name, component);
+    number = componentOf(components, first.name, component);
     const GeometryBlock& from = points.geometry->block;
     memory.push_back(run.takeMemory("geometry", bytesOf(from) + int64_t(from.points.size() * sizeof(float))));
     block = from;
@@ -56,18 +56,17 @@ FilterResult Interpolate::run(FilterRun& run) const {
       setField(block, {points.geometry->array, 1, std::move(block.values)});
     block.values.clear();
   });
-  FieldValues found = valuesAt(shown, *first.data->partitioning, std::array{number}, block.points, run.ranks);
+  FieldValues found = ValueReader(run, first).at(std::array{number}, block.points, run.ranks);
   block.values = std::move(found.values);
   std::span<const FilterSource> further = fields;
-  if (shown.components == 1) further = further.subspan(1);
+  if (components == 1) further = further.subspan(1);
   const std::vector<PointsWithout> without = recordFields(run, further, block, memory);
-  if (shown.components == 1)
-    std::erase_if(block.fields, [&](const PointField& f) { return f.name == first.name; });
+  if (components == 1) std::erase_if(block.fields, [&](const PointField& f) { return f.name == first.name; });
   FilterResult result;
   LedgerEntry entry = std::move(memory.front());
   result.dataset =
       madeGeometry(run, points.geometry->name, points.geometry->kind, std::move(block), points.partitioning,
-                   std::move(entry), nameOfComponent(first.name, shown.components, number));
+                   std::move(entry), nameOfComponent(first.name, components, number));
   result.told = {{"outside", found.outside},
                  {"no data", found.noData},
                  {"fields", toldOfPoints(*result.dataset->geometry)}};

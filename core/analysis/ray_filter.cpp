@@ -185,8 +185,7 @@ std::vector<glm::dvec3> directionsOf(const RaySampler& filter, FilterRun& run) {
                   std::to_string(field->data->volume->components) + " components, expected 3");
   });
   if (!field) return directions;
-  const FieldValues found = valuesAt(*field->data->volume, *field->data->partitioning, std::array{0, 1, 2},
-                                     block->points, run.ranks);
+  const FieldValues found = ValueReader(run, *field).at(std::array{0, 1, 2}, block->points, run.ranks);
   for (size_t i = 0; i < directions.size(); i++) {
     const float* v = &found.values[3 * i];
     const glm::dvec3 d(v[0], v[1], v[2]);

@@ -40,16 +40,15 @@ std::vector<PointsWithout> recordFields(FilterRun& run, std::span<const FilterSo
                                         GeometryBlock& block, std::vector<LedgerEntry>& memory) {
   std::vector<PointsWithout> without;
   for (const FilterSource& source : sources) {
-    const Volume& volume = *source.data->volume;
-    std::vector<int> components(size_t(volume.components));
+    std::vector<int> components(size_t(source.data->components()));
     std::iota(components.begin(), components.end(), 0);
     agree(run.ranks, [&] {
       memory.push_back(
           run.takeMemory("geometry", int64_t(block.points.size() * components.size() * sizeof(float))));
     });
-    FieldValues found = valuesAt(volume, *source.data->partitioning, components, block.points, run.ranks);
+    FieldValues found = ValueReader(run, source).at(components, block.points, run.ranks);
     without.push_back({found.outside, found.noData});
-    setField(block, {source.name, volume.components, std::move(found.values)});
+    setField(block, {source.name, int(components.size()), std::move(found.values)});
   }
   return without;
 }

@@ -28,7 +28,7 @@ struct PointsWithout {
   uint64_t outside = 0, noData = 0;  ///< on all ranks
 };
 
-/// Collective. Reads all components of each source at the points of a block of this rank, as valuesAt() does. Each becomes a field with
+/// Collective. Reads all components of each source at the points of a block of this rank, as ValueReader does. Each becomes a field with
 /// the name of its source, and replaces one of this name. Returns how many points have no value, by source. `memory` gets the
 /// entries of what is read. If any rank fails, all throw the same Error.
 std::vector<PointsWithout> recordFields(FilterRun& run, std::span<const FilterSource> sources,

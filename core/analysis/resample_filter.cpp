@@ -97,7 +97,7 @@ FilterInfo Resample::info() {
           "All components of a field at the points of another regular grid. Points outside the field, and in "
           "its cells without data, have no "
           "data (NaN), and are counted.",
-          {{"field", kVolumes, "The field."},
+          {{"field", kVolumes | kUnstructured, "The field."},
            {"like", kVolumes,
             "A volume whose grid and partitioning are taken, in place of `box` and `dimensions`.",
             FilterPort::Count::Optional}},
@@ -137,8 +137,8 @@ FilterResult Resample::run(FilterRun& run) const {
   run.begin(0, 2, "values");
   agree(ranks, [&] {
     const Box all = box.value_or(field.box());
-    volume->name = field.volume->name;
-    volume->components = field.volume->components;
+    volume->name = field.mesh ? field.mesh->name : field.volume->name;
+    volume->components = field.components();
     if (like) {
       volume->grid = place.volume->grid;
     } else {
@@ -165,6 +165,7 @@ FilterResult Resample::run(FilterRun& run) const {
   std::vector<int> components(size_t(volume->components));
   std::iota(components.begin(), components.end(), 0);
   OwnedPoints points(volume->grid, partitioning, *plan);
+  const ValueReader reader(run, run.input("field"));
   const size_t pieces = std::max<size_t>(plan->blocks().size(), 1);
   // Ranks make as many rounds as the one with most needs; a piece is of one partition.
   const std::vector<uint64_t> rounds = gatherCounts(ranks, uint64_t(points.count() / kPointsAtOnce) + pieces);
@@ -174,7 +175,7 @@ FilterResult Resample::run(FilterRun& run) const {
   for (uint64_t r = 0; r < most; r++) {
     OwnedPoints::Piece piece;
     agree(ranks, [&] { piece = points.next(kPointsAtOnce); });
-    const FieldValues found = valuesAt(*field.volume, *field.partitioning, components, piece.points, ranks);
+    const FieldValues found = reader.at(components, piece.points, ranks);
     outside += found.outside;
     noData += found.noData;
     agree(ranks, [&] {

@@ -55,7 +55,7 @@ FilterInfo Seeds::info() {
   return {"Seeds",
           1,
           "Points in a plain shape, where lines begin or values are taken.",
-          {{"domain", kVolumes | kParticles | kPathLines | kTriangles,
+          {{"domain", kVolumes | kUnstructured | kParticles | kPathLines | kTriangles,
             "Where points of the shape are if the entry does not say it. The points get its partitioning."}},
           DatasetType::Particles};
 }

@@ -126,7 +126,7 @@ FilterResult StatisticsFilter::run(FilterRun& run) const {
     if (!array.empty())
       throw Error("Statistics: `array` is for fields of points, and " + inQuotes(source.name) +
                   " is a volume");
-    const int number = componentOf(volume, source.name, component);
+    const int number = componentOf(volume.components, source.name, component);
     options.component = number < 0 ? volume.components : number;
     if (!where.empty()) condition.emplace(where);
   });

@@ -68,8 +68,10 @@ struct Dataset {
   /// Simulation time, in the simulation's unit; NaN: unknown. Streams set it; no import does so far.
   double time = std::numeric_limits<double>::quiet_NaN();
   Provenance provenance;
-  int64_t bytes = 0;  ///< on this rank
+  int64_t bytes = 0;  ///< on this rank, those that other datasets share included
   LedgerEntry memory;
+  std::shared_ptr<const LedgerEntry>
+      sharedMemory;  ///< of what other datasets share: the cells of a simulation's mesh
 
   Box box() const;      ///< world
   Range range() const;  ///< of the values, or of the magnitude of several components

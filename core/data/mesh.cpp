@@ -32,31 +32,38 @@ const char* pluralOf(CellType type) {
   return kPlurals[size_t(type)];
 }
 
-size_t MeshCells::size() const {
+template <class Numbers>
+size_t CellsByType<Numbers>::size() const {
   size_t all = 0;
   for (const CellType type : kAllCellTypes) all += size(type);
   return all;
 }
 
-uint32_t MeshCells::first(CellType type) const {
+template <class Numbers>
+uint32_t CellsByType<Numbers>::first(CellType type) const {
   size_t before = 0;
   for (const CellType t : kAllCellTypes)
     if (t < type) before += size(t);
   return uint32_t(before);
 }
 
-CellType MeshCells::typeOf(uint32_t cell) const {
+template <class Numbers>
+CellType CellsByType<Numbers>::typeOf(uint32_t cell) const {
   size_t before = 0;
   for (const CellType type : kAllCellTypes)
     if (cell < (before += size(type))) return type;
   return CellType::Hexahedron;
 }
 
-std::span<const uint32_t> MeshCells::pointsOf(uint32_t cell) const {
+template <class Numbers>
+std::span<const uint32_t> CellsByType<Numbers>::pointsOf(uint32_t cell) const {
   const CellType type = typeOf(cell);
   const size_t n = shapeOf(type).points;
   return std::span(points[size_t(type)]).subspan((cell - first(type)) * n, n);
 }
+
+template struct CellsByType<std::vector<uint32_t>>;
+template struct CellsByType<SharedVector<uint32_t>>;
 
 bool hasOnlyTetrahedra(const Mesh& mesh) {
   const auto& cells = mesh.report.cells;
@@ -76,16 +83,22 @@ double typicalLength(const Mesh& mesh) {
   return longest * std::cbrt((volume > 0 ? volume : 1) / double(cells));
 }
 
+int64_t bytesOfValues(const Mesh& mesh) {
+  size_t bytes = 0;
+  for (const auto& [partition, block] : mesh.blocks)
+    bytes += (block.values.size() + block.cellValues.size()) * sizeof(float);
+  return int64_t(bytes);
+}
+
 int64_t bytesOf(const Mesh& mesh) {
   size_t bytes = 0;
   for (const auto& [partition, block] : mesh.blocks) {
-    bytes += block.points.size() * sizeof(glm::dvec3) + block.values.size() * sizeof(float) +
-             block.cellValues.size() * sizeof(float) + block.shell.size() * sizeof(FaceId);
+    bytes += block.points.size() * sizeof(glm::dvec3) + block.shell.size() * sizeof(FaceId);
     for (const CellType type : kAllCellTypes)
       bytes += block.cells.points[size_t(type)].size() * sizeof(uint32_t) +
                block.neighbours[size_t(type)].size() * sizeof(FaceId);
   }
-  return int64_t(bytes);
+  return int64_t(bytes) + bytesOfValues(mesh);
 }
 
 }  // namespace gxy

@@ -12,6 +12,7 @@
 
 #include "core/data/box.h"
 #include "core/data/partitioning.h"
+#include "core/data/shared_vector.h"
 
 namespace gxy {
 
@@ -50,8 +51,9 @@ inline constexpr int faceOf(FaceId id) { return int(id & 7); }
 inline constexpr uint64_t kMostMeshPoints = uint64_t(1) << 30, kMostMeshCells = uint64_t(1) << 29;
 
 /// Cells as numbers of points. The cells are numbered by type: first the tetrahedra, then the pyramids, the wedges and the hexahedra.
-struct MeshCells {
-  std::array<std::vector<uint32_t>, kCellTypes> points;  ///< of all cells of a type, one after the other
+template <class Numbers>
+struct CellsByType {
+  std::array<Numbers, kCellTypes> points;  ///< of all cells of a type, one after the other
 
   size_t size(CellType type) const { return points[size_t(type)].size() / shapeOf(type).points; }
   size_t size() const;
@@ -60,19 +62,30 @@ struct MeshCells {
   CellType typeOf(uint32_t cell) const;
   std::span<const uint32_t> pointsOf(uint32_t cell) const;
 };
+using MeshCells = CellsByType<std::vector<uint32_t>>;
+using SharedMeshCells = CellsByType<SharedVector<uint32_t>>;
+
+/// Arrays by type that do not change any more.
+template <class T>
+std::array<SharedVector<T>, kCellTypes> shared(std::array<std::vector<T>, kCellTypes> arrays) {
+  std::array<SharedVector<T>, kCellTypes> all;
+  for (size_t type = 0; type < kCellTypes; type++) all[type] = std::move(arrays[type]);
+  return all;
+}
 
 /// The cells that touch one partition, with their points. Points and cells are numbered in an order of the whole mesh (meshBlock() in
 /// mesh_blocks.h), of which each partition has a part. So of two points or cells the same one has the lower number in all partitions.
+/// All but the values is shared with other fields and steps on the same points and cells.
 struct MeshBlock {
-  std::vector<glm::dvec3> points;  ///< world coordinates
-  std::vector<float> values;       ///< stored values, the components of a point together
-  MeshCells cells;                 ///< the points of a tetrahedron ascend
+  SharedVector<glm::dvec3> points;  ///< world coordinates
+  std::vector<float> values;        ///< stored values, the components of a point together
+  SharedMeshCells cells;            ///< the points of a tetrahedron ascend
+  /// By type: for each face of each cell the face of the neighbour in this block, or kNoFace.
+  std::array<SharedVector<FaceId>, kCellTypes> neighbours;
+  SharedVector<FaceId> shell;  ///< the faces without a neighbour in this block that have an area, ascending
   /// If the data are those of cells (Mesh::ofCells): stored values by cell, the components of a cell together. `values` are then averages of
   /// them (averagesAtPoints() in point_averages.h). Else empty.
-  std::vector<float> cellValues;
-  /// By type: for each face of each cell the face of the neighbour in this block, or kNoFace.
-  std::array<std::vector<FaceId>, kCellTypes> neighbours;
-  std::vector<FaceId> shell;  ///< the faces without a neighbour in this block that have an area, ascending
+  std::vector<float> cellValues{};
 };
 
 /// What an import has found in a mesh. All counts are of the whole mesh.
@@ -100,6 +113,7 @@ struct MeshReport {
   uint64_t noDataCells = 0;  ///< of data of cells: those with a NaN or infinite value, which are transparent
   uint64_t differingCells =
       0;  ///< of data of cells: of repeated cells, those whose values differ; the lowest value is used
+  bool operator==(const MeshReport&) const = default;
 };
 
 /// An unstructured volume. Values are shift + scale * stored (encodingOf()). It is immutable once complete; any thread may read it.
@@ -123,7 +137,9 @@ bool hasOnlyTetrahedra(const Mesh& mesh);
 /// box is flat or empty.
 double typicalLength(const Mesh& mesh);
 
-/// Memory of the local blocks in bytes.
+/// Memory of the local blocks in bytes, that of arrays which other meshes share included.
 int64_t bytesOf(const Mesh& mesh);
+/// Of this, what their values take.
+int64_t bytesOfValues(const Mesh& mesh);
 
 }  // namespace gxy

@@ -11,6 +11,7 @@
 #include "core/data/collapsed.h"
 #include "core/data/connect.h"
 #include "core/data/mesh_defects.h"
+#include "core/data/mesh_values.h"
 #include "core/data/morton.h"
 #include "core/data/point_averages.h"
 
@@ -48,15 +49,8 @@ void checkSizes(const MeshPiece& piece) {
                 (piece.ofCells ? "the numbers" : "those") + " of each point");
 }
 
-bool isNoData(const float* values, int components) {
+bool lacksData(const float* values, int components) {
   return std::any_of(values, values + components, [](float v) { return !std::isfinite(v); });
-}
-
-/// Whether two points have the same values; NaN is NaN.
-bool areSame(const float* a, const float* b, int components) {
-  for (int c = 0; c < components; c++)
-    if (a[c] != b[c] && !(std::isnan(a[c]) && std::isnan(b[c]))) return false;
-  return true;
 }
 
 /// Whether values come before others: NaN is behind all numbers.
@@ -88,7 +82,7 @@ class BlockMaker {
   BlockMaker(MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts)
       : piece_(std::move(piece)), partitioning_(partitioning), partition_(partition), counts_(counts) {}
 
-  MeshBlock make(const Advance& advance) {
+  MeshBlock make(const Advance& advance, PointSources* sources) {
     placePoints(partOf(advance, 0, 4));
     collapseHexahedra();
     const Advance ordering = partOf(advance, 1, 4);
@@ -98,18 +92,28 @@ class BlockMaker {
     orderCells<8>(CellType::Hexahedron, partOf(ordering, 3, kCellTypes));
     if (piece_.ofCells) averageCells(partOf(advance, 2, 4));
     if (dropped_) dropUnusedPoints();
-    countPoints();
+    for (const uint8_t isHere : sources_.isHere) counts_.points += isHere;
+    for (const PointSources::Source& source : sources_.sources) counts_.mergedPoints += source.merged;
+    MeshBlock block;
+    if (piece_.ofCells)
+      giveCellValues(block);
+    else
+      block.values = valuesOfBlock(sources_, piece_.values, piece_.components, partition_, counts_);
+    piece_.values = {};
     advance(piece_.ofCells ? 0.75 : 0.5);
-    Connectivity found = connect(block_.cells, block_.points.size());
-    block_.neighbours = std::move(found.neighbours);
-    block_.shell = std::move(found.shell);
-    for (const uint32_t point : found.crowdedAt) counts_.crowdedFaces += isHere_[point];
-    const MeshDefects defects = defectsOf(block_, isHere_);
+    Connectivity found = connect(cells_, points_.size());
+    for (const uint32_t point : found.crowdedAt) counts_.crowdedFaces += sources_.isHere[point];
+    block.points = std::move(points_);
+    block.cells.points = shared(std::move(cells_.points));
+    block.neighbours = shared(std::move(found.neighbours));
+    block.shell = std::move(found.shell);
+    const MeshDefects defects = defectsOf(block, sources_.isHere);
     counts_.foldedFaces += defects.foldedFaces;
     counts_.hangingPoints += defects.hangingPoints;
     counts_.splitFaces += defects.splitFaces;
+    if (sources) *sources = std::move(sources_);
     advance(1);
-    return std::move(block_);
+    return block;
   }
 
  private:
@@ -164,32 +168,25 @@ class BlockMaker {
   void placePoints(const Advance& advance) {
     const std::vector<Place> places = orderedPlaces(advance);
     numberOf_.resize(piece_.points.size());
-    const size_t components = piece_.ofCells ? 0 : size_t(piece_.components);
-    block_.points.reserve(places.size());
-    block_.values.reserve(places.size() * components);
-    isHere_.reserve(places.size());
+    points_.reserve(places.size());
+    std::vector<uint8_t>& isHere = sources_.isHere;
+    isHere.reserve(places.size());
+    sources_.sources.reserve(places.size());
+    sources_.pointsOfPiece = piece_.points.size();
     uint64_t lastNumber = 0;  // several ranks may have read a point
     for (const auto& [along, point] : places) {
       const glm::dvec3& p = piece_.points[point];
-      const float* values = piece_.values.data() + point * components;
-      if (block_.points.empty() || block_.points.back() != p) {
-        block_.points.push_back(p);
-        block_.values.insert(block_.values.end(), values, values + components);
-        isHere_.push_back(partitioning_.partitions() == 1 || partitioning_.nearest(p) == partition_);
-      } else if (isHere_.back() && piece_.numbers[point] != lastNumber) {
-        counts_.mergedPoints++;
-        if (!piece_.ofCells &&
-            !areSame(values, block_.values.data() + block_.values.size() - components, piece_.components)) {
-          counts_.differingPoints++;
-          const auto number = uint32_t(block_.points.size() - 1);
-          if (differing_.empty() || differing_.back() != number) differing_.push_back(number);
-        }
+      const bool isNew = points_.empty() || points_.back() != p;
+      if (isNew) {
+        points_.push_back(p);
+        isHere.push_back(partitioning_.partitions() == 1 || partitioning_.nearest(p) == partition_);
       }
-      numberOf_[point] = uint32_t(block_.points.size() - 1);
+      numberOf_[point] = uint32_t(points_.size() - 1);
+      const bool merged = !isNew && isHere.back() && piece_.numbers[point] != lastNumber;
+      sources_.sources.push_back({point, numberOf_[point], merged});
       lastNumber = piece_.numbers[point];
     }
     piece_.points = {};
-    piece_.values = {};
     piece_.numbers = {};
   }
 
@@ -232,9 +229,9 @@ class BlockMaker {
   template <size_t N>
   void orderCells(CellType type, const Advance& advance) {
     std::vector<uint32_t>& read = piece_.cells.points[size_t(type)];
-    std::vector<uint32_t>& made = block_.cells.points[size_t(type)];
+    std::vector<uint32_t>& made = cells_.points[size_t(type)];
     if (read.empty()) return;
-    std::vector<size_t> end(block_.points.size() + 1, 0);
+    std::vector<size_t> end(points_.size() + 1, 0);
     std::vector<uint32_t> from;
     from.reserve(read.size() / N);
     for (size_t at = 0, n = read.size(); at < n; at += N) {
@@ -243,12 +240,12 @@ class BlockMaker {
       for (size_t i = 0; i < N; i++) cell[i] = numberOf_[read[at + i]];
       const CellPoints<N> sorted = ascending(cell);
       if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
-        counts_.degenerateCells += isHere_[sorted[0]] && !isDuplicate(type, at / N);
+        counts_.degenerateCells += sources_.isHere[sorted[0]] && !isDuplicate(type, at / N);
         dropped_ = true;
         continue;
       }
       counts_.invertedCells +=
-          isHere_[sorted[0]] && !isDuplicate(type, at / N) && isInverted(block_.points, type, cell);
+          sources_.isHere[sorted[0]] && !isDuplicate(type, at / N) && isInverted(points_, type, cell);
       if (type == CellType::Tetrahedron) cell = sorted;
       std::copy(cell.begin(), cell.end(), read.begin() + std::ptrdiff_t(from.size() * N));
       from.push_back(uint32_t(at / N));
@@ -269,7 +266,7 @@ class BlockMaker {
       const auto next = std::find_if(
           cell + 1, cells.end(), [&](const ReadCell<N>& other) { return ascending(other.points) != sorted; });
       made.insert(made.end(), cell->points.begin(), cell->points.end());
-      const bool isHere = isHere_[sorted[0]];
+      const bool isHere = sources_.isHere[sorted[0]];
       auto several = uint64_t(next - cell);
       if (piece_.ofCells) several = takeValues(type, std::span<const ReadCell<N>>(cell, next), isHere);
       if (isHere && several > 0) {
@@ -303,9 +300,10 @@ class BlockMaker {
     }
     if (isHere && several > 1)
       counts_.differingCells += std::any_of(same.begin(), same.end(), [&](const ReadCell<N>& cell) {
-        return !isDuplicate(type, cell.from) && !areSame(valuesOf(cell), valuesOf(*kept), components);
+        return !isDuplicate(type, cell.from) && (isLower(valuesOf(cell), valuesOf(*kept), components) ||
+                                                 isLower(valuesOf(*kept), valuesOf(cell), components));
       });
-    block_.cellValues.insert(block_.cellValues.end(), valuesOf(*kept), valuesOf(*kept) + components);
+    cellValues_.insert(cellValues_.end(), valuesOf(*kept), valuesOf(*kept) + components);
     onlyDuplicate_.push_back(several == 0);
     return several;
   }
@@ -328,79 +326,69 @@ class BlockMaker {
 
   /// Gives values to points. Then cells that are there as duplicates only have served, and leave.
   void averageCells(const Advance& advance) {
-    block_.values =
-        averagesAtPoints(block_.points, block_.cells, block_.cellValues, piece_.components, advance);
-    for (uint32_t p = 0; p < isHere_.size() && partitioning_.partitions() > 1; p++)
-      if (isHere_[p]) differing_.push_back(p);
+    values_ = averagesAtPoints(points_, cells_, cellValues_, piece_.components, advance);
     if (std::none_of(onlyDuplicate_.begin(), onlyDuplicate_.end(), [](uint8_t only) { return only; })) return;
     dropped_ = true;
     const auto components = size_t(piece_.components);
     size_t cell = 0, kept = 0;
     for (const CellType type : kAllCellTypes) {
-      std::vector<uint32_t>& cells = block_.cells.points[size_t(type)];
+      std::vector<uint32_t>& cells = cells_.points[size_t(type)];
       const size_t n = shapeOf(type).points, count = cells.size() / n;
       size_t keptOfType = 0;
       for (size_t i = 0; i < count; i++, cell++) {
         if (onlyDuplicate_[cell]) continue;
         std::copy_n(cells.begin() + std::ptrdiff_t(i * n), n,
                     cells.begin() + std::ptrdiff_t(keptOfType++ * n));
-        std::copy_n(block_.cellValues.begin() + std::ptrdiff_t(cell * components), components,
-                    block_.cellValues.begin() + std::ptrdiff_t(kept++ * components));
+        std::copy_n(cellValues_.begin() + std::ptrdiff_t(cell * components), components,
+                    cellValues_.begin() + std::ptrdiff_t(kept++ * components));
       }
       cells.resize(keptOfType * n);
     }
-    block_.cellValues.resize(kept * components);
+    cellValues_.resize(kept * components);
+  }
+
+  void giveCellValues(MeshBlock& block) {
+    uint32_t cell = 0;
+    for (const CellType type : kAllCellTypes) {
+      const std::vector<uint32_t>& cells = cells_.points[size_t(type)];
+      const auto n = std::ptrdiff_t(shapeOf(type).points);
+      for (auto at = cells.begin(); at != cells.end(); at += n, cell++)
+        counts_.noDataCells +=
+            sources_.isHere[*std::min_element(at, at + n)] &&
+            lacksData(cellValues_.data() + cell * size_t(piece_.components), piece_.components);
+    }
+    std::vector<uint32_t> here;
+    for (uint32_t p = 0; p < points_.size() && partitioning_.partitions() > 1; p++)
+      if (sources_.isHere[p]) here.push_back(p);
+    if (!here.empty()) counts_.differing[partition_] = std::move(here);
+    block.values = std::move(values_);
+    block.cellValues = std::move(cellValues_);
   }
 
   void dropUnusedPoints() {
-    std::vector<uint32_t> numbers(block_.points.size(), 0);
-    for (const auto& cells : block_.cells.points)
-      for (const uint32_t point : cells) numbers[point] = 1;
-    const size_t components = size_t(piece_.components);
+    constexpr uint32_t kNone = UINT32_MAX;
+    std::vector<uint32_t> numbers(points_.size(), kNone);
+    for (const auto& cells : cells_.points)
+      for (const uint32_t point : cells) numbers[point] = 0;
     uint32_t kept = 0;
-    std::vector<uint32_t> differing;
-    auto next = differing_.begin();
+    const auto components = size_t(piece_.components);
     for (size_t p = 0; p < numbers.size(); p++) {
-      const bool differs = next != differing_.end() && *next == p;
-      if (differs) ++next;
-      if (numbers[p] == 0) continue;
-      if (differs) differing.push_back(kept);
-      block_.points[kept] = block_.points[p];
-      std::copy_n(block_.values.begin() + std::ptrdiff_t(p * components), components,
-                  block_.values.begin() + std::ptrdiff_t(kept * components));
-      isHere_[kept] = isHere_[p];
+      if (numbers[p] == kNone) continue;
+      points_[kept] = points_[p];
+      if (piece_.ofCells)
+        std::copy_n(values_.begin() + std::ptrdiff_t(p * components), components,
+                    values_.begin() + std::ptrdiff_t(kept * components));
+      sources_.isHere[kept] = sources_.isHere[p];
       numbers[p] = kept++;
     }
-    block_.points.resize(kept);
-    block_.values.resize(kept * components);
-    isHere_.resize(kept);
-    differing_ = std::move(differing);
-    for (auto& cells : block_.cells.points)
+    points_.resize(kept);
+    if (piece_.ofCells) values_.resize(kept * components);
+    sources_.isHere.resize(kept);
+    std::erase_if(sources_.sources,
+                  [&](const PointSources::Source& source) { return numbers[source.to] == kNone; });
+    for (PointSources::Source& source : sources_.sources) source.to = numbers[source.to];
+    for (auto& cells : cells_.points)
       for (uint32_t& point : cells) point = numbers[point];
-  }
-
-  void countPoints() {
-    for (size_t p = 0; p < block_.points.size(); p++) {
-      if (!isHere_[p]) continue;
-      counts_.points++;
-      const size_t components = size_t(piece_.components);
-      counts_.noDataPoints +=
-          !piece_.ofCells && isNoData(block_.values.data() + p * components, piece_.components);
-    }
-    if (piece_.ofCells) countCellsWithoutData();
-    if (!differing_.empty()) counts_.differing[partition_] = std::move(differing_);
-  }
-
-  void countCellsWithoutData() {
-    uint32_t cell = 0;
-    for (const CellType type : kAllCellTypes) {
-      const std::vector<uint32_t>& cells = block_.cells.points[size_t(type)];
-      const size_t n = shapeOf(type).points;
-      for (auto at = cells.begin(); at != cells.end(); at += std::ptrdiff_t(n), cell++)
-        counts_.noDataCells +=
-            isHere_[*std::min_element(at, at + std::ptrdiff_t(n))] &&
-            isNoData(block_.cellValues.data() + cell * size_t(piece_.components), piece_.components);
-    }
   }
 
   static constexpr auto kHexes = size_t(CellType::Hexahedron);
@@ -408,12 +396,13 @@ class BlockMaker {
   const Partitioning& partitioning_;
   const int partition_;
   MeshBlockCounts& counts_;
-  MeshBlock block_;
-  std::vector<uint32_t> numberOf_;   // by point of the piece: its number in the block
-  std::vector<uint8_t> isHere_;      // by point of the block: whether it is counted in this partition
-  std::vector<uint32_t> differing_;  // ascending
-  std::vector<uint8_t>
-      onlyDuplicate_;  // by cell, if the data are those of cells: whether all of those with its points are duplicates
+  std::vector<glm::dvec3> points_;  // of the block, as are the next two
+  MeshCells cells_;
+  PointSources sources_;
+  std::vector<uint32_t> numberOf_;  // by point of the piece: its number in the block
+  // If the data are those of cells: by point and by cell of the block, and whether all cells with a cell's points are duplicates.
+  std::vector<float> values_, cellValues_;
+  std::vector<uint8_t> onlyDuplicate_;
   bool dropped_ = false;  // a cell, which may have been the only one with its points
 };
 
@@ -445,9 +434,9 @@ void validate(const MeshPiece& piece) {
 }
 
 MeshBlock meshBlock(MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts,
-                    const Advance& advance) {
+                    const Advance& advance, PointSources* sources) {
   validate(piece);
-  return BlockMaker(std::move(piece), partitioning, partition, counts).make(advance);
+  return BlockMaker(std::move(piece), partitioning, partition, counts).make(advance, sources);
 }
 
 }  // namespace gxy

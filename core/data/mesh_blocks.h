@@ -48,6 +48,9 @@ int64_t bytesOf(const MeshPiece& piece);
 /// coordinates.
 void validate(const MeshPiece& piece);
 
+struct PointSources;  // core/data/mesh_values.h
+struct ValueRoutes;
+
 /// What making blocks has counted. Each cell and point is counted in one partition, the one that is nearest to it, so that sums over all
 /// ranks are those of the whole mesh.
 struct MeshBlockCounts {
@@ -66,22 +69,25 @@ struct MeshBlockCounts {
 /// become wedges, pyramids or tetrahedra if they are such (collapsed()). Cells with the same points as another one and other cells with
 /// a point twice are left out, and points that no cell has. If the data are those of cells, of several cells with the same points the
 /// lowest value is kept, and points get averages of the cells around them that are in the piece. Throws Error for a piece that is not valid,
-/// and if there are too many points or cells. Takes time and memory that grow as the mesh does.
+/// and if there are too many points or cells. Takes time and memory that grow as the mesh does. `sources`, if not null, becomes where the
+/// points of the block come from.
 MeshBlock meshBlock(
     MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts,
-    const Advance& advance = [](double) {});
+    const Advance& advance = [](double) {}, PointSources* sources = nullptr);
 
 /// Returns one message for each rank, including this one, with the cells of `read` that touch the rank's partitions, or come as near
-/// as borderSlack(). Throws Error for a piece that is not valid, or if a partition's owner is not below `ranks`.
+/// as borderSlack(). Throws Error for a piece that is not valid, or if a partition's owner is not below `ranks`. `routes`, if not null,
+/// becomes which points go where.
 std::vector<Bytes> packForOwners(
     const MeshPiece& read, const Partitioning& partitioning, int ranks,
-    const Advance& advance = [](double) {});
+    const Advance& advance = [](double) {}, ValueRoutes* routes = nullptr);
 
 /// Returns the blocks of all partitions of `rank` to which cells belong, from the messages of all ranks in any order. Throws Error for
-/// a malformed message.
+/// a malformed message. `routes`, if not null, becomes where the points of blocks come from; the messages are those of all ranks in
+/// ascending order then.
 std::map<int, MeshBlock> unpackMesh(
     const Partitioning& partitioning, int rank, std::span<const Bytes> received, MeshBlockCounts& counts,
-    const Advance& advance = [](double) {});
+    const Advance& advance = [](double) {}, ValueRoutes* routes = nullptr);
 
 /// A partition may have a point of a cell that only reaches into it, and not all cells with this point. If the files give the point
 /// several values, or its value is an average of cells, it may then have another one than elsewhere. Returns one message for each rank with the points of
@@ -95,8 +101,14 @@ void takeSettledValues(std::map<int, MeshBlock>& blocks, const Partitioning& par
 /// Collective. Returns the blocks of all partitions of this rank to which cells belong, of the cells that all ranks have read. `counts`
 /// is of the whole mesh on every rank, but for `differing`. Tells ranks.done() how far it is. `toTake`, if not empty, is called with the
 /// bytes of messages, and then with those of blocks in the making, before they are taken; it may refuse them by throwing Error. If any
-/// rank fails, all throw the same Error.
+/// rank fails, all throw the same Error. `routes`, if not null, becomes what distributeValues() needs.
 std::map<int, MeshBlock> distribute(MeshPiece read, const Partitioning& partitioning, MeshBlockCounts& counts,
-                                    Collectives& ranks, const std::function<void(int64_t)>& toTake = {});
+                                    Collectives& ranks, const std::function<void(int64_t)>& toTake = {},
+                                    ValueRoutes* routes = nullptr);
+
+/// Collective. Replaces counts of this rank by those of the whole mesh, and brings the values of points that have several in the files to
+/// all blocks, and all averages of cells if the data are those of cells. It is what distribute() ends with.
+void settle(std::map<int, MeshBlock>& blocks, const Partitioning& partitioning, MeshBlockCounts& counts,
+            std::span<uint64_t* const> toSum, Collectives& ranks, bool ofCells = false);
 
 }  // namespace gxy

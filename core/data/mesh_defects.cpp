@@ -44,7 +44,7 @@ uint64_t countFoldedFaces(const MeshBlock& block, std::span<const uint8_t> isHer
   for (const CellType type : kAllCellTypes) {
     const CellShape& shape = shapeOf(type);
     const uint32_t first = block.cells.first(type);
-    const std::vector<FaceId>& neighbours = block.neighbours[size_t(type)];
+    const std::span<const FaceId> neighbours = block.neighbours[size_t(type)];
     const std::span<const uint32_t> cells = block.cells.points[size_t(type)];
     for (size_t i = 0; i < neighbours.size(); i++) {
       const size_t cell = i / shape.faces, f = i % shape.faces;

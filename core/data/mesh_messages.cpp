@@ -9,6 +9,7 @@
 #include "core/comm/error.h"
 #include "core/comm/wire.h"
 #include "core/data/mesh_blocks.h"
+#include "core/data/mesh_values.h"
 #include "core/data/morton.h"
 #include "core/data/replicate.h"
 
@@ -74,12 +75,12 @@ class Subset {
  public:
   explicit Subset(const MeshPiece& all) : all_(all), numberOf_(all.points.size(), kNone) {}
 
-  MeshPiece of(const CellNumbers& wanted, const Advance& advance) {
+  /// `taken` becomes the points of the whole piece that these are.
+  MeshPiece of(const CellNumbers& wanted, const Advance& advance, std::vector<uint32_t>& taken) {
     MeshPiece some;
     some.components = all_.components;
     some.ofCells = all_.ofCells;
-    const size_t components = size_t(all_.components);
-    std::vector<uint32_t> taken;
+    const auto components = size_t(all_.components);
     for (const CellType type : kAllCellTypes) {
       const size_t n = shapeOf(type).points;
       const std::vector<uint32_t>& from = all_.cells.points[size_t(type)];
@@ -178,8 +179,9 @@ void append(MeshPiece& to, MeshPiece from) {
 }  // namespace
 
 std::vector<Bytes> packForOwners(const MeshPiece& read, const Partitioning& partitioning, int ranks,
-                                 const Advance& advance) {
+                                 const Advance& advance, ValueRoutes* routes) {
   validate(read);
+  if (routes) routes->sent.resize(size_t(ranks));
   const auto partitions = size_t(partitioning.partitions());
   std::vector<CellNumbers> touching(partitions);
   const Advance finding = partOf(advance, 0, 2), packing = partOf(advance, 1, 2);
@@ -201,7 +203,9 @@ std::vector<Bytes> packForOwners(const MeshPiece& read, const Partitioning& part
       continue;
     Writer& writer = writers[size_t(owner)];
     writer.write(int32_t(p));
-    write(writer, subset.of(touching[p], partOf(packing, p, partitions)));
+    std::vector<uint32_t> taken;
+    write(writer, subset.of(touching[p], partOf(packing, p, partitions), taken));
+    if (routes) routes->sent[size_t(owner)].push_back({int(p), std::move(taken)});
     touching[p] = {};
   }
   std::vector<Bytes> messages;
@@ -211,7 +215,7 @@ std::vector<Bytes> packForOwners(const MeshPiece& read, const Partitioning& part
 
 std::map<int, MeshBlock> unpackMesh(const Partitioning& partitioning, int rank,
                                     std::span<const Bytes> received, MeshBlockCounts& counts,
-                                    const Advance& advance) {
+                                    const Advance& advance, ValueRoutes* routes) {
   std::map<int, MeshPiece> pieces;
   for (const Bytes& message : received) {
     Reader reader(message, "cells of a mesh");
@@ -228,7 +232,8 @@ std::map<int, MeshBlock> unpackMesh(const Partitioning& partitioning, int rank,
   for (auto& [partition, piece] : pieces) {
     MeshBlock block = meshBlock(
         std::move(piece), partitioning, partition, counts,
-        partOf(advance, size_t(std::distance(pieces.begin(), pieces.find(partition))), pieces.size()));
+        partOf(advance, size_t(std::distance(pieces.begin(), pieces.find(partition))), pieces.size()),
+        routes ? &routes->taken[partition] : nullptr);
     if (block.cells.size() > 0) blocks.emplace(partition, std::move(block));
   }
   return blocks;
@@ -297,13 +302,30 @@ void takeSettledValues(std::map<int, MeshBlock>& blocks, const Partitioning& par
   }
 }
 
+void settle(std::map<int, MeshBlock>& blocks, const Partitioning& partitioning, MeshBlockCounts& counts,
+            std::span<uint64_t* const> toSum, Collectives& ranks, bool ofCells) {
+  std::vector<uint64_t> mine;
+  for (const uint64_t* sum : toSum) mine.push_back(*sum);
+  const auto all = gatherValues(ranks, std::span<const uint64_t>(mine));
+  for (size_t i = 0; i < mine.size(); i++) {
+    *toSum[i] = 0;
+    for (const auto& theirs : all) *toSum[i] += theirs[i];
+  }
+  if (counts.differingPoints == 0 && !ofCells) return;
+  std::vector<Bytes> messages;
+  agree(ranks, [&] { messages = packSettledValues(blocks, counts, partitioning, ranks.size()); });
+  const std::vector<Bytes> received = ranks.allToAll(std::move(messages));
+  agree(ranks, [&] { takeSettledValues(blocks, partitioning, received); });
+}
+
 std::map<int, MeshBlock> distribute(MeshPiece read, const Partitioning& partitioning, MeshBlockCounts& counts,
-                                    Collectives& ranks, const std::function<void(int64_t)>& toTake) {
+                                    Collectives& ranks, const std::function<void(int64_t)>& toTake,
+                                    ValueRoutes* routes) {
   std::vector<Bytes> messages;
   const bool ofCells = read.ofCells;
   agree(ranks, [&] {
     if (toTake) toTake(bytesOf(read));
-    messages = packForOwners(read, partitioning, ranks.size(), advanceOf(ranks, 0, 0.5));
+    messages = packForOwners(read, partitioning, ranks.size(), advanceOf(ranks, 0, 0.5), routes);
     read = {};
   });
   std::vector<Bytes> received = ranks.allToAll(std::move(messages));
@@ -314,7 +336,7 @@ std::map<int, MeshBlock> distribute(MeshPiece read, const Partitioning& partitio
     int64_t bytes = 0;
     for (const Bytes& message : received) bytes += int64_t(message.size());
     if (toTake) toTake(4 * bytes);
-    blocks = unpackMesh(partitioning, ranks.rank(), received, counts, advanceOf(ranks, 0.5));
+    blocks = unpackMesh(partitioning, ranks.rank(), received, counts, advanceOf(ranks, 0.5), routes);
     received.clear();
   });
   uint64_t* const sums[] = {&counts.points,         &counts.repeatedCells,   &counts.degenerateCells,
@@ -323,17 +345,7 @@ std::map<int, MeshBlock> distribute(MeshPiece read, const Partitioning& partitio
                             &counts.splitFaces,     &counts.noDataPoints,    &counts.noDataCells,
                             &counts.differingCells, &counts.cells[0],        &counts.cells[1],
                             &counts.cells[2],       &counts.cells[3]};
-  std::vector<uint64_t> mine;
-  for (const uint64_t* sum : sums) mine.push_back(*sum);
-  const auto all = gatherValues(ranks, std::span<const uint64_t>(mine));
-  for (size_t i = 0; i < mine.size(); i++) {
-    *sums[i] = 0;
-    for (const auto& theirs : all) *sums[i] += theirs[i];
-  }
-  if (counts.differingPoints == 0 && !ofCells) return blocks;
-  agree(ranks, [&] { messages = packSettledValues(blocks, counts, partitioning, ranks.size()); });
-  received = ranks.allToAll(std::move(messages));
-  agree(ranks, [&] { takeSettledValues(blocks, partitioning, received); });
+  settle(blocks, partitioning, counts, sums, ranks, ofCells);
   return blocks;
 }
 

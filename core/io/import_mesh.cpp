@@ -18,7 +18,6 @@
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
 #include "core/comm/wire.h"
-#include "core/data/merge_ranges.h"
 #include "core/io/file.h"
 #include "core/io/legacy_vtk.h"
 
@@ -245,47 +244,6 @@ void tellWarnings(const std::vector<std::string>& texts, const Collectives& rank
   }
 }
 
-void extendRanges(std::vector<Range>& ranges, const double* values, size_t components) {
-  double sum = 0;
-  for (size_t c = 0; c < components; c++) {
-    ranges[c].extend(values[c]);
-    sum += values[c] * values[c];
-  }
-  if (components > 1) ranges.back().extend(std::sqrt(sum));
-}
-
-/// Ranges of components and of the magnitude, and the box, of what this rank has read. Duplicates do not count.
-void measure(LoadedMesh& loaded, const MeshContent& content, const Advance& advance) {
-  const MeshPiece& piece = loaded.piece;
-  const auto components = size_t(piece.components);
-  loaded.ranges.assign(components > 1 ? components + 1 : 1, {});
-  for (size_t p = 0; p < piece.points.size() && !piece.ofCells; p++) {
-    tell(advance, p, piece.points.size());
-    loaded.box.extend(piece.points[p]);
-    extendRanges(loaded.ranges, content.values.data() + p * components, components);
-  }
-  for (const CellType type : kAllCellTypes) {
-    const auto& duplicates = piece.duplicates[size_t(type)];
-    for (size_t cell = 0; cell < duplicates.size(); cell++) {
-      tell(advance, cell, duplicates.size());
-      if (duplicates[cell]) continue;
-      const size_t n = shapeOf(type).points;
-      for (size_t i = 0; i < n; i++)
-        loaded.box.extend(piece.points[piece.cells.points[size_t(type)][cell * n + i]]);
-      extendRanges(loaded.ranges, content.cellValues[size_t(type)].data() + cell * components, components);
-    }
-  }
-}
-
-std::vector<float> storedValues(const std::vector<double>& values, const Encoding& encoding,
-                                const Advance& advance) {
-  const Samples stored = convert(std::as_bytes(std::span(values)), ScalarType::Float64,
-                                 {ScalarType::Float32, encoding.shift, encoding.scale}, advance);
-  std::vector<float> floats(values.size());
-  if (!stored.empty()) std::memcpy(floats.data(), stored.data(), stored.size());
-  return floats;
-}
-
 std::string plural(uint64_t count, const char* one, const char* several) {
   return std::to_string(count) + " " + (count == 1 ? one : several);
 }
@@ -319,7 +277,7 @@ LoadedMesh loadMesh(const std::string& path, const std::string& array, Collectiv
   loaded.report.flatCells = all.flatCells;
   loaded.report.ghostCells = all.ghostCells;
   loaded.report.unusableCells = all.unusableCells;
-  MeshPiece& piece = loaded.piece;
+  MeshPiece piece;
   piece.components = all.components;
   piece.ofCells = all.ofCells;
   piece.duplicates = std::move(content.duplicates);
@@ -327,58 +285,28 @@ LoadedMesh loadMesh(const std::string& path, const std::string& array, Collectiv
   piece.numbers = std::move(content.numbers);
   piece.cells = std::move(content.cells);
   for (uint64_t& number : piece.numbers) number += all.pointsBefore;
-  agree(ranks, [&] { measure(loaded, content, [&](double) { ranks.check(); }); });
-  mergeBox(ranks, loaded.box);
-  mergeRanges(ranks, loaded.ranges);
-  agree(ranks, [&] {
-    Range ofAll;
-    for (size_t c = 0; c < size_t(all.components); c++) ofAll.extend(loaded.ranges[c]);
-    const Encoding encoding = encodingOf(all.type, all.components, ofAll);
-    loaded.shift = encoding.shift;
-    loaded.scale = encoding.scale;
-    size_t count = content.values.size();
-    for (const auto& values : content.cellValues) count += values.size();
-    if (toTake) toTake(int64_t(count * sizeof(float)));
-    const Advance check = [&](double) { ranks.check(); };
-    piece.values = storedValues(content.values, encoding, check);
-    for (size_t type = 0; type < kCellTypes; type++)
-      piece.cellValues[type] = storedValues(content.cellValues[type], encoding, check);
-  });
+  for (size_t type = 0; type < kCellTypes; type++) append(content.values, content.cellValues[type]);
+  content.cellValues = {};
+  static_cast<EncodedMesh&>(loaded) =
+      encodedMesh(std::move(piece), all.type, std::move(content.values), ranks, toTake);
   return loaded;
 }
 
 std::shared_ptr<const Mesh> meshOf(LoadedMesh loaded, const Partitioning& partitioning, Collectives& ranks,
                                    const TakeMemory& toTake, std::vector<std::string>* warnings) {
-  auto mesh = std::make_shared<Mesh>();
-  mesh->name = loaded.name;
-  mesh->components = loaded.piece.components;
-  mesh->ofCells = loaded.piece.ofCells;
-  mesh->shift = loaded.shift;
-  mesh->scale = loaded.scale;
-  mesh->ranges = std::move(loaded.ranges);
-  mesh->box = loaded.box;
-  mesh->report = loaded.report;
-  MeshBlockCounts counts;
-  mesh->blocks = distribute(std::move(loaded.piece), partitioning, counts, ranks, toTake);
+  const std::string name = loaded.name, path = loaded.path;
+  const MeshReport read = loaded.report;
+  auto mesh =
+      std::make_shared<Mesh>(completeMesh(static_cast<EncodedMesh&&>(loaded), partitioning, ranks, toTake));
+  mesh->name = name;
   MeshReport& report = mesh->report;
-  report.cells = counts.cells;
-  report.points = counts.points;
-  report.repeatedCells = counts.repeatedCells;
-  report.degenerateCells = counts.degenerateCells;
-  report.mergedPoints = counts.mergedPoints;
-  report.differingPoints = counts.differingPoints;
-  report.crowdedFaces = counts.crowdedFaces;
-  report.foldedFaces = counts.foldedFaces;
-  report.invertedCells = counts.invertedCells;
-  report.hangingPoints = counts.hangingPoints;
-  report.splitFaces = counts.splitFaces;
-  report.noDataPoints = counts.noDataPoints;
-  report.noDataCells = counts.noDataCells;
-  report.differingCells = counts.differingCells;
+  report.flatCells = read.flatCells;
+  report.ghostCells = read.ghostCells;
+  report.unusableCells = read.unusableCells;
   if (report.points == 0)
-    throw Error(loaded.path + ": all of its " + std::to_string(report.degenerateCells) +
+    throw Error(path + ": all of its " + std::to_string(report.degenerateCells) +
                 " cells have a point twice, expected cells with a volume");
-  tellWarnings(warningsOf(report, loaded.path), ranks, warnings);
+  tellWarnings(warningsOf(report, path), ranks, warnings);
   return mesh;
 }
 

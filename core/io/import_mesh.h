@@ -6,21 +6,17 @@
 #include <vector>
 
 #include "core/comm/collectives.h"
+#include "core/data/complete_mesh.h"
 #include "core/data/mesh.h"
-#include "core/data/mesh_blocks.h"
 #include "core/data/partitioning.h"
 #include "core/io/mesh_file.h"
 
 namespace gxy {
 
 /// What one rank has read of an unstructured volume. Each cell is on one rank only.
-struct LoadedMesh {
-  std::string path;  ///< for messages
-  std::string name;  ///< that the mesh will have: of the file, and the array after a colon
-  MeshPiece piece;
-  double shift = 0, scale = 1;  ///< as in Mesh
-  std::vector<Range> ranges;    ///< as in Mesh, on all ranks
-  Box box;                      ///< as in Mesh, on all ranks
+struct LoadedMesh : EncodedMesh {
+  std::string path;   ///< for messages
+  std::string name;   ///< that the mesh will have: of the file, and the array after a colon
   MeshReport report;  ///< on all ranks, what reading has counted: cells that are flat, ghosts or unusable
   LeftOut leftOut;    ///< of the files that this rank has read
 };

@@ -18,10 +18,10 @@
 #include <vector>
 
 #include "core/data/mesh.h"
+#include "core/data/mesh_kinds.h"
 #include "core/data/scalar.h"
 #include "core/io/geometry_file.h"
 #include "core/io/left_out.h"
-#include "core/io/mesh_kinds.h"
 
 namespace gxy {
 

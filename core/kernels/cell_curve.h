@@ -140,21 +140,24 @@ FN real valueOn(CellCurve c, real u) { return clamp1(bernsteinValue(c.cubic, u),
 
 // Upper bound on the fraction of a piece's opacity that is shown at the wrong depth. The value is taken to go
 // linearly from s0 to s1, but is `middle` in the middle. Only the difference between the piece's ends can be
-// at a wrong depth.
-FN real stepPositionError(MapMean m, real s0, real middle, real s1) {
+// at a wrong depth. `bows`: the value may be far from linear. Then what the map shows in a small part of the piece's values has another
+// optical depth, too: as the slope there is another one, by about twice the bow.
+FN real stepPositionError(MapMean m, UNIFORM bool bows, real s0, real middle, real s1) {
   real rise = abs(s1 - s0), bow = abs(middle - R(0.5) * (s0 + s1));
   real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
   if (m.sigma > R(0.0)) change = max(change, min(abs(m.sigmaFront - m.sigmaBack) / m.sigma, R(1.0)));
-  return bow < rise ? change * (bow / rise) : change;
+  real error = bow < rise ? change * (bow / rise) : change;
+  if (bows) error = max(error, R(2.0) * bow < rise ? R(2.0) * bow / rise : R(1.0));
+  return error;
 }
 
 // The smallest part of a cell, which is not halved. It is large enough to move u where u is 1.
 FN real smallestPiece(real uFrom, real uTo) { return max(R(0.0005) * (uTo - uFrom), R(1e-6)); }
 
 // Adds the pieces from uFrom to uTo of a cell, `span` long, whose value has extrema at turns0 and turns1 (1:
-// none). The value is taken as linear along each piece.
-FN void addPieces(MAP map, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span, real tMin,
-                  INOUT(vec3) rgb, INOUT(real) A) {
+// none). The value is taken as linear along each piece. `bows`: stepPositionError().
+FN void addPieces(MAP map, CellCurve c, UNIFORM bool bows, real turns0, real turns1, real uFrom, real uTo,
+                  real span, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real from = uFrom, s = valueOn(c, uFrom), most = R(1.0), smallest = smallestPiece(uFrom, uTo);
   bool more = true;
   while (more) {
@@ -164,8 +167,8 @@ FN void addPieces(MAP map, CellCurve c, real turns0, real turns1, real uFrom, re
     real part = to - from, s1 = valueOn(c, to);
     MapMean m = meanAlong(map, s, s1);
     more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, mapCurvatureError(m),
-                    stepPositionError(m, s, valueOn(c, from + R(0.5) * part), s1), part <= smallest, tMin,
-                    rgb, A);
+                    stepPositionError(m, bows, s, valueOn(c, from + R(0.5) * part), s1), part <= smallest,
+                    tMin, rgb, A);
     if (more) {
       most = R(0.5) * part;
     } else {
@@ -275,13 +278,13 @@ FN CurveInMap curveInMap(MAP map, CellCurve c) {
   return lies;
 }
 
-// Adds the part from uFrom to uTo of a curve, which is `span` long in all. `bows`: addPiecesOfFew().
+// Adds the part from uFrom to uTo of a curve, which is `span` long in all. `bows`: the value may be far from linear.
 FN void addPart(MAP map, CellCurve c, UNIFORM bool bows, CurveInMap lies, real uFrom, real uTo, real span,
                 real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   if (mapIsSmall(map))
     addPiecesOfFew(map, c, bows, lies.turns0, lies.turns1, uFrom, uTo, span, tMin, rgb, A);
   else
-    addPieces(map, c, lies.turns0, lies.turns1, uFrom, uTo, span, tMin, rgb, A);
+    addPieces(map, c, bows, lies.turns0, lies.turns1, uFrom, uTo, span, tMin, rgb, A);
 }
 
 // Where a ray meets an isosurface.

@@ -17,12 +17,11 @@ FN vec3 towardsSurface(Hexahedron h, vec3 at) {
   return inCell(make_v3(at.x - by.x, at.y - by.y, at.z - by.z));
 }
 
-// The first t > tAfter at which the level is 0 on a piece of a ray's way, from p to q, whose reference coordinates are `at` and `last`;
-// NO_HIT if there is none.
-FN real levelRootOn(FrameRay r, Hexahedron h, SidePoint p, vec3 at, SidePoint q, vec3 last, real low,
-                    real high, real tAfter) {
+// The first t > tAfter at which the level is 0 on a step of a ray's way, from p to q, whose reference coordinates are `at` and `last`, and
+// where the level is this cubic; NO_HIT if there is none.
+FN real levelRootOn(FrameRay r, Hexahedron h, vec4 cubic, SidePoint p, vec3 at, SidePoint q, vec3 last,
+                    real tAfter) {
   real tp = p.z * r.frame.perDepth, tq = q.z * r.frame.perDepth, t = NO_HIT;
-  vec4 cubic = cubicBetween(h, p, at, q, last, q.z - p.z, low, high);
   real e0, e1;
   extremaOf(cubic, e0, e1);
   real a = R(0.0), fa = cubic.x;
@@ -64,24 +63,25 @@ FN real levelRootBetween(FrameRay r, Hexahedron h, uint orders, uint from, uint 
   real after = max1(tAfter, R(1e-4) * (tq - tp));
   if (tq > after) {
     real low = lowestOf(h), high = highestOf(h);
-    vec4 whole = cubicBetween(h, p, at, q, last, q.z - p.z, low, high);
-    real pieces = piecesOf(h, whole, p, at, q, last, R(1e-3) * (high - low)), i = R(0.0);
-    real part = R(1.0) / pieces;
-    SidePoint begin = p;
-    vec3 place = at;
-    while (i < pieces && !(t < NO_HIT)) {
-      i += R(1.0);
-      SidePoint end = q;
-      vec3 then = last;
-      if (i < pieces) {
-        end.z = lerp1(p.z, q.z, i * part);
-        then = placeAtDepth(h, middleOf(at, last, i * part), end.z);
-        vec4 there = trilinearIn(h, then);
-        end.value = there.w;
+    real allowed = R(1e-3) * (high - low), u = R(0.0), step = R(1.0);
+    SidePoint begin = p, end = q;
+    vec3 place = at, then = last;
+    while (u < R(1.0) && !(t < NO_HIT)) {
+      vec4 cubic = cubicBetween(h, begin, place, end, then, end.z - begin.z, low, high);
+      vec3 halfway = middleOf(place, then, R(0.5));
+      SidePoint middle = pointAtDepth(h, lerp1(begin.z, end.z, R(0.5)), halfway);
+      real error = errorInMiddle(cubic, middle.value);
+      if (error > allowed && step > HEX_STEP_LEAST) {
+        step *= R(0.5);
+        end = middle;
+        then = halfway;
+      } else {
+        t = levelRootOn(r, h, cubic, begin, place, end, then, after);
+        u += step;
+        begin = end;
+        place = then;
+        if (u < R(1.0)) end = nextStep(h, p, q, last, u, error, allowed, step, then);
       }
-      t = levelRootOn(r, h, begin, place, end, then, low, high, after);
-      begin = end;
-      place = then;
     }
   }
   return t;

@@ -43,70 +43,63 @@ FN bool passesSide(FrameRay r, vec3 a, vec3 b, vec3 c, vec3 d, bool triangle, OU
   return sign != 0;
 }
 
-// The largest error that the value may have along a curve on a way of this length.
-FN real errorAllowed(MAP map, CellCurve c, CurveInMap lies, real range, real span, real tMin) {
-  real allowed = R(1e-4) * range;
-  if (mapIsSmall(map) && lies.even) {
-    // Extinction and colours are linear in an interval.
-    MapPlace place = mapPlace(map, c.low);
-    int k = place.k;
-    MapPiece m = mapPiece(map, k);
-    vec3 low = colorAt(m, R(0.0)), high = colorAt(m, R(1.0));
-    real step = max(max(abs(high.x - low.x), abs(high.y - low.y)), abs(high.z - low.z));
-    real most = max(sigmaAt(m, R(0.0)), sigmaAt(m, R(1.0)));
-    real slope = (abs(sigmaAt(m, R(1.0)) - sigmaAt(m, R(0.0))) + step * most) * mapInverseLength(map, k);
-    allowed = R(0.25) * tMin / max(slope * span, R(1e-30));
-  }
-  return max(allowed, R(1e-6) * range);
+// The largest error that the value may have on a step of this length whose values are from low to high. Where the value is wrong by a part of
+// how far it goes, its slope is wrong by about four times that part in a half of the step, and so is the optical depth of what the map
+// shows there.
+FN real errorAllowed(MAP map, real low, real high, real length, real range, real tMin) {
+  MapMean m = meanAlong(map, low, high);
+  real tau = min(m.sigma * length, R(1.0));
+  real allowed = R(0.25) * tMin * (high - low) / max(tau, R(1e-30));
+  return clamp1(allowed, R(1e-6) * range, R(0.05) * range);
 }
 
-// Integrates the part from uFrom to uTo of the way through a hexahedron, from p to q, whose reference coordinates are `at` and `last`. If the
-// cubic of the way is not near enough to the field in its middle, the way is cut into equal pieces, whose ends Newton's method finds.
+// Integrates the part from uFrom to uTo of the way through a hexahedron, from p to q, whose reference coordinates are `at` and `last`.
 // `constant`: the cell has one value everywhere. Returns whether the map shows something.
 FN bool integrateInHexahedron(MAP map, Hexahedron h, UNIFORM bool constant, real value, SidePoint p, vec3 at,
-                              SidePoint q, vec3 last, real length, real uFrom, real uTo, real span, real tMin,
+                              SidePoint q, vec3 last, real uFrom, real uTo, real span, real tMin,
                               INOUT(vec3) rgb, INOUT(real) A) {
   real low = value, high = value;
-  CellCurve whole = linearCurve(value, value);
+  CellCurve curve = linearCurve(value, value);
   if (!constant) {
     low = lowestOf(h);
     high = highestOf(h);
-    whole.cubic = cubicBetween(h, p, at, q, last, length, low, high);
-    whole.low = low;
-    whole.high = high;
+    curve.cubic = cubicBetween(h, p, at, q, last, q.z - p.z, low, high);
+    curve.low = low;
+    curve.high = high;
   }
-  CurveInMap lies = curveInMap(map, whole);
+  CurveInMap lies = curveInMap(map, curve);
   if (lies.seen) {
-    real pieces = R(1.0);
-    if (!constant)
-      pieces =
-          piecesOf(h, whole.cubic, p, at, q, last, errorAllowed(map, whole, lies, high - low, span, tMin));
-    SidePoint from = p;
-    vec3 place = at;
-    real i = R(0.0), part = R(1.0) / pieces;
-    while (i < pieces) {
-      SidePoint to = q;
-      vec3 then = last;
-      real u = i * part;
-      i += R(1.0);
-      if (i < pieces) {
-        to.z = lerp1(p.z, q.z, i * part);
-        then = placeAtDepth(h, middleOf(at, last, i * part), to.z);
-        vec4 there = trilinearIn(h, then);
-        to.value = there.w;
-      }
-      CellCurve curve = whole;
+    SidePoint from = p, to = q;
+    vec3 place = at, then = last;
+    real u = R(0.0), step = R(1.0);
+    while (u < uTo) {
+      vec3 halfway = then;
+      SidePoint middle = to;
+      real error = R(0.0), allowed = R(0.0);
       if (!constant) {
-        curve.cubic = cubicBetween(h, from, place, to, then, length * part, low, high);
+        curve.cubic = cubicBetween(h, from, place, to, then, to.z - from.z, low, high);
+        halfway = middleOf(place, then, R(0.5));
+        middle = pointAtDepth(h, lerp1(from.z, to.z, R(0.5)), halfway);
+        error = errorInMiddle(curve.cubic, middle.value);
         curve.low = min(min(curve.cubic.x, curve.cubic.y), min(curve.cubic.z, curve.cubic.w));
         curve.high = max(max(curve.cubic.x, curve.cubic.y), max(curve.cubic.z, curve.cubic.w));
+        allowed = errorAllowed(map, curve.low - error, curve.high + error, span * step, high - low, tMin);
       }
-      CurveInMap here = curveInMap(map, curve);
-      real a = clamp1((uFrom - u) * pieces, R(0.0), R(1.0)), b = clamp1((uTo - u) * pieces, R(0.0), R(1.0));
-      if (here.seen && b > a) addPart(map, curve, true, here, a, b, span * part, tMin, rgb, A);
-      from = to;
-      place = then;
+      if (error > allowed && step > HEX_STEP_LEAST) {
+        step *= R(0.5);
+        to = middle;
+        then = halfway;
+      } else {
+        lies = curveInMap(map, curve);
+        real a = clamp1((uFrom - u) / step, R(0.0), R(1.0)), b = clamp1((uTo - u) / step, R(0.0), R(1.0));
+        if (lies.seen && b > a) addPart(map, curve, true, lies, a, b, span * step, tMin, rgb, A);
+        u += step;
+        from = to;
+        place = then;
+        if (u < uTo) to = nextStep(h, p, q, last, u, error, allowed, step, then);
+      }
     }
+    lies.seen = true;
   }
   return lies.seen;
 }
@@ -166,8 +159,7 @@ FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(Me
         vec3 last = referencePlace(orderedCorners(next, orders), q.u, q.v);
         real value = R(0.0);
         if (constant) value = cellValue(op, cell);
-        bool seen = integrateInHexahedron(op.map, h, constant, value, p, at, q, last, span / r.frame.perDepth,
-                                          (start - before) / span,
+        bool seen = integrateInHexahedron(op.map, h, constant, value, p, at, q, last, (start - before) / span,
                                           to < largest ? (to - before) / span : R(1.0), span, m.tMin, rgb, A);
         evaluated += seen ? 1 : 0;
       }

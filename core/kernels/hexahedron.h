@@ -342,14 +342,42 @@ FN vec3 placeAtDepth(Hexahedron h, vec3 near, real z) {
   return at;
 }
 
-// The number of equal pieces in which a way is cut, so that a cubic of each is as near to the field as `allowed`, where that of the whole
-// way is not in its middle. The error of Hermite's cubic goes with the fourth power of the length.
-FN real piecesOf(Hexahedron h, vec4 cubic, SidePoint p, vec3 at, SidePoint q, vec3 last, real allowed) {
-  vec4 middle = trilinearIn(h, placeAtDepth(h, middleOf(at, last, R(0.5)), lerp1(p.z, q.z, R(0.5))));
-  real error = abs(middle.w - (R(0.125) * (cubic.x + cubic.w) + R(0.375) * (cubic.y + cubic.z)));
-  real pieces = R(1.0);
-  if (error > allowed) pieces = min(ceil(sqrt(sqrt(error / allowed))), R(16.0));
-  return pieces;
+// A way through a hexahedron is cut into steps, so that the cubic of each is near to the field.
+
+// The place of the way at depth z, near other reference coordinates, which become those of that place.
+FN SidePoint pointAtDepth(Hexahedron h, real z, INOUT(vec3) at) {
+  at = placeAtDepth(h, at, z);
+  vec4 there = trilinearIn(h, at);
+  SidePoint p;
+  p.z = z;
+  p.value = there.w;
+  p.u = R(0.0);
+  p.v = R(0.0);
+  return p;
+}
+
+// How far a cubic is from the number in the middle. The error of Hermite's cubic goes with the fourth power of the length.
+FN real errorInMiddle(vec4 cubic, real middle) {
+  return abs(middle - (R(0.125) * (cubic.x + cubic.w) + R(0.375) * (cubic.y + cubic.z)));
+}
+
+// Steps are shares of the way, and not halved below this.
+#define HEX_STEP_LEAST R(0.01)
+
+// Where the step behind the one that ends at u ends, in a way from p to q at `last`. `step` is the length of the one before, whose cubic had
+// this error, and becomes the length of this one, `then` its end.
+FN SidePoint nextStep(Hexahedron h, SidePoint p, SidePoint q, vec3 last, real u, real error, real allowed,
+                      INOUT(real) step, INOUT(vec3) then) {
+  SidePoint to = q;
+  if (R(16.0) * error <= allowed) step *= R(2.0);
+  step = min(step, R(1.0) - u);
+  if (u + step < R(1.0)) {
+    then = middleOf(then, last, step / (R(1.0) - u));
+    to = pointAtDepth(h, lerp1(p.z, q.z, u + step), then);
+  } else {
+    then = last;
+  }
+  return to;
 }
 
 // The direction in which the number grows, times the volume of the reference cell there.

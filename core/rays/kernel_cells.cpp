@@ -25,7 +25,7 @@ constexpr std::array<AsHexahedron, kCellTypes> kAsHexahedra{{
     {{0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 2, 3, 4, 5}},
 }};
 
-FaceId sideOf(FaceId face, const MeshCells& cells) {
+FaceId sideOf(FaceId face, const SharedMeshCells& cells) {
   if (face == kNoFace) return face;
   return faceId(cellOf(face), kAsHexahedra[size_t(cells.typeOf(cellOf(face)))].side[size_t(faceOf(face))]);
 }
@@ -79,7 +79,7 @@ KernelCells kernelCells(const MeshBlock& block, bool tetrahedra) {
   if (tetrahedra) {
     cells.points = block.cells.points[size_t(CellType::Tetrahedron)];
     cells.neighbours = block.neighbours[size_t(CellType::Tetrahedron)];
-    cells.shell = block.shell;
+    cells.shell.assign(block.shell.begin(), block.shell.end());
     return cells;
   }
   const size_t count = block.cells.size();

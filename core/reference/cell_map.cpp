@@ -60,7 +60,8 @@ glm::dvec3 near(CellType type, glm::dvec3 place) {
 bool isInside(CellType type, glm::dvec3 p, double slack) {
   const double most = type == CellType::Pyramid ? p.z : 1;
   return std::min({p.x, p.y, p.z}) >= -slack && std::max(p.x, p.y) <= most + slack && p.z <= 1 + slack &&
-         (type != CellType::Wedge || p.x + p.y <= 1 + slack);
+         (type != CellType::Wedge || p.x + p.y <= 1 + slack) &&
+         (type != CellType::Tetrahedron || p.x + p.y + p.z <= 1 + slack);
 }
 
 double largest(glm::dvec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The maps of hexahedra, wedges and pyramids from reference coordinates to space.
+// The maps of cells from reference coordinates to space.
 #pragma once
 #include <array>
 #include <glm/vec3.hpp>
@@ -20,8 +20,9 @@ struct ShapeFunctions {
   glm::dvec3 mean(std::span<const glm::dvec3> points) const;
 };
 
-/// Evaluates the shape functions of a hexahedron, wedge or pyramid. They are those of VTK's linear cells, in coordinates in which maps have
+/// Evaluates the shape functions of a cell. They are those of VTK's linear cells, in coordinates in which maps have
 /// no poles:
+/// - tetrahedron: (a, b, c) with 1 - a - b - c, a, b and c barycentric;
 /// - hexahedron: (u, v, w), trilinear in the unit cube;
 /// - wedge: (a, b, w) with 1 - a - b, a and b barycentric in its triangles, and w from the first to the second one;
 /// - pyramid: (u r, v r, r), where r is 1 in the base and 0 at the top, and (u, v) is the place in the base from which a line to the top

@@ -135,6 +135,7 @@ std::string namesOf(unsigned types) {
   std::vector<std::string> names;
   for (int i = 0; i < kDatasetTypes; i++)
     if (types & bitOf(DatasetType(i))) names.push_back(nameOf(DatasetType(i)));
+  if (types & kUnstructured) names.front() += " (also unstructured)";
   std::string text;
   for (size_t i = 0; i < names.size(); i++)
     text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];

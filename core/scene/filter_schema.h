@@ -17,6 +17,8 @@ inline constexpr unsigned kVolumes = bitOf(DatasetType::Volume);
 inline constexpr unsigned kParticles = bitOf(DatasetType::Particles);
 inline constexpr unsigned kPathLines = bitOf(DatasetType::PathLines);
 inline constexpr unsigned kTriangles = bitOf(DatasetType::Triangles);
+/// Volumes may be unstructured, too.
+inline constexpr unsigned kUnstructured = 1u << 31;
 
 /// Names the types in words: "Particles or PathLines".
 std::string namesOf(unsigned types);

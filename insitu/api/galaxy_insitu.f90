@@ -26,8 +26,11 @@ module galaxy_insitu
 
   ! Types of the cells that gxy_cells takes. The numbers are those of VTK.
   integer(c_int), parameter, public :: GXY_LINE = 3, GXY_POLY_LINE = 4, GXY_TRIANGLE = 5, GXY_TRIANGLE_STRIP = 6, &
-    GXY_POLYGON = 7, GXY_PIXEL = 8, GXY_QUAD = 9
-  integer(c_int), save, target :: cell_types(9) = [1, 2, 3, 4, 5, 6, 7, 8, 9]
+    GXY_POLYGON = 7, GXY_PIXEL = 8, GXY_QUAD = 9, GXY_TETRAHEDRON = 10, GXY_VOXEL = 11, GXY_HEXAHEDRON = 12, GXY_WEDGE = 13, &
+    GXY_PYRAMID = 14
+  ! All types of VTK, so that those that are not taken are named where they are wrong.
+  integer(c_int) :: cell_type_number
+  integer(c_int), save, target :: cell_types(81) = [(cell_type_number, cell_type_number = 1, 81)]
 
   ! Where the values of a field lie. gxy_values makes it for arrays of the commonest types.
   type, bind(c), public :: gxy_array
@@ -333,7 +336,7 @@ contains
     integer(c_int), intent(in) :: cell_type
     type(gxy_array) :: types
     types = gxy_array(c_null_ptr, GXY_INT32, 1, 0_c_int64_t, 0_c_int64_t, 0)
-    if (cell_type >= 1 .and. cell_type <= 9) types%data = c_loc(cell_types(cell_type))
+    if (cell_type >= 1 .and. cell_type <= size(cell_types)) types%data = c_loc(cell_types(cell_type))
   end function gxy_all_of
 
   ! 1 if somebody has given a parameter another value since the last call: VALUE has it then.

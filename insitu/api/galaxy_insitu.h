@@ -68,7 +68,12 @@ enum gxy_cell {
   GXY_TRIANGLE_STRIP = 6,
   GXY_POLYGON = 7, /* corners in order around it, any number; it need not be convex */
   GXY_PIXEL = 8,   /* a quad whose last two points are swapped */
-  GXY_QUAD = 9
+  GXY_QUAD = 9,
+  GXY_TETRAHEDRON = 10,
+  GXY_VOXEL = 11, /* a box whose points run through x, then y, then z */
+  GXY_HEXAHEDRON = 12,
+  GXY_WEDGE = 13,
+  GXY_PYRAMID = 14
 };
 
 /* Where the values of a field lie. The value of component c at (i, j, k), counted from the first owned point or cell, is at
@@ -141,22 +146,29 @@ GXY_API int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const in
 GXY_API int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array positions, gxy_array ids,
                        const double box[6]);
 
-/* Says which lines or triangles this rank has now: points, and cells between them. It is called before each publish that has other ones, or has them
+/* Says which lines, triangles or cells with a volume this rank has now: points, and cells between them. It is called before each publish that has other ones, or has them
  * elsewhere in memory; then gxy_field() is called again for their fields, with block 0. Any rank may have any number of points and cells, none included.
  * Of the arrays, stride[0] is the bytes from one entry to the next; the other strides are not used.
  *   `positions`     of `points` points: 3 components, of GXY_FLOAT32 or GXY_FLOAT64
  *   `types`         of each cell, an integer of any type, one of gxy_cell. With stride[0] = 0 all cells are of the type that `data` points to now
  *   `offsets`       cells + 1 integers of 32 or 64 bits, as in VTK: the points of cell c are `connectivity` from entry offsets[c] up to and without
  *                   entry offsets[c + 1]. They never descend. The first is 0; if it is not, the entries before are not used. With components 0
- *                   there are none, and the cells follow each other; then all are of one type with a fixed number of points: GXY_LINE,
- *                   GXY_TRIANGLE, GXY_PIXEL or GXY_QUAD
+ *                   there are none, and the cells follow each other; then all are of one type with a fixed number of points: any but
+ *                   GXY_POLY_LINE, GXY_TRIANGLE_STRIP and GXY_POLYGON
  *   `connectivity`  integers of 32 or 64 bits: the points of each cell, by their number on this rank, from 0
- * Cells of a mesh are of lines (GXY_LINE, GXY_POLY_LINE), which become path lines, or of the others, which are cut into triangles as those
- * of files are; a mesh has one of both kinds on all ranks. If no rank has a cell in the first step, and `types` does not say of which type they
- * will be, they are triangles. Cells with a volume, such as tetrahedra, are not supported yet. Poly-lines, strips and polygons of too few
+ * Cells of a mesh are of lines (GXY_LINE, GXY_POLY_LINE), which become path lines, of faces (GXY_TRIANGLE to GXY_QUAD), which are cut into
+ * triangles as those of files are, or have a volume (GXY_TETRAHEDRON to GXY_PYRAMID, in any mixture), and become an unstructured volume; a mesh
+ * has one of these kinds on all ranks. If no rank has a cell in the first step, and `types` does not say of which type they
+ * will be, they are triangles. Quadratic cells and polyhedra are not supported. Poly-lines, strips and polygons of too few
  * points are left out; so are triangles without area and what is repeated along a line, as in files.
  *
- * gxy_field() gives the points or the cells a field. Each becomes the dataset NAME.FIELD, with the mesh and its values; of several components,
+ * Cells with a volume have their points in VTK's order. Each cell is on one rank; cells with the same points as another one are left out and
+ * counted. Points at exactly the same place become one, on whichever ranks they are, with the values of that of the lowest rank: so
+ * cells of neighbouring ranks meet. They have one or more fields of points, none of cells so far, and each field becomes a
+ * volume NAME.FIELD with all its components. Cells stay inside the domain that the server cuts, else the step is left out. If points
+ * and cells of a step are those of the step before, bit for bit, on all ranks, the server only makes the values anew.
+ *
+ * gxy_field() gives the points or the cells of lines and triangles a field. Each becomes the dataset NAME.FIELD, with the mesh and its values; of several components,
  * their magnitude; or colours, where files would have them: bytes, or any type with the name RGB, of 3 or 4 components. A cell has one
  * value. The field Normals of points, with 3 components, has the normals of all datasets of the mesh instead. A mesh without (other) fields
  * becomes NAME.MESH. The domain that the server cuts for its ranks is that of the first step's points, a tenth larger, unless the stream has a

@@ -76,7 +76,7 @@ class Simulation {
     return gxy_result(gxy_field(sim_, mesh, 0, name, GXY_OF_POINTS, values));
   }
 
-  /// Says which lines or triangles this rank has now, as gxy_cells() does; row() makes the arrays, and allOf() one for cells of one type. Without
+  /// Says which lines, triangles or cells with a volume this rank has now, as gxy_cells() does; row() makes the arrays, and allOf() one for cells of one type. Without
   /// `offsets`, all cells are of one type with a fixed number of points. Called again, with all fields, when the cells change.
   gxy_result cells(std::int64_t points, const gxy_array& positions, std::int64_t cells,
                    const gxy_array& types, const gxy_array& connectivity,
@@ -163,7 +163,7 @@ gxy_array row(const T* first, int components = 1, std::int64_t stride = 0) noexc
 
 /// Types of cells that are all of this one.
 inline gxy_array allOf(gxy_cell type) noexcept {
-  static const std::uint8_t types[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  static const std::uint8_t types[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
   return strided(&types[type], {{0, 0, 0}});
 }
 

@@ -94,6 +94,7 @@ void Adaptor::about(conduit_node_impl* node) const {
 
 Meshes Adaptor::meshesOf(const Node& params) {
   Meshes meshes;
+  meshes.lattices = std::move(meshes_.lattices);
   const Warn say = [this](const std::string& text) { warn(text); };
   for (const Node& channel : params.at("catalyst/channels").children()) {
     const std::string type = channel.at("type").text(), name = channel.name();
@@ -267,11 +268,13 @@ void Adaptor::points(const Points& points) {
   const double* box = params_.box ? params_.box->data() : nullptr;
   int result = GXY_TAKEN;
   if (points.cells) {
-    const Array& corners = points.cells->connectivity;
-    const gxy_array type{&points.cells->type, GXY_UINT8, 1, {0, 0, 0}, 0, 0},
-        connectivity{corners.data, corners.type, 1, {corners.stride, 0, 0}, 0, 0};
-    result = gxy_cells(sim_.get(), points.mesh.c_str(), count, positions, points.cells->count, type, {},
-                       connectivity);
+    const Cells& cells = *points.cells;
+    const auto rowOf = [](const Array& a) { return gxy_array{a.data, a.type, 1, {a.stride, 0, 0}, 0, 0}; };
+    const bool areAlike = cells.type != 0;
+    const gxy_array ofAll{&cells.type, GXY_UINT8, 1, {0, 0, 0}, 0, 0};
+    result = gxy_cells(sim_.get(), points.mesh.c_str(), count, positions, cells.count,
+                       areAlike ? ofAll : rowOf(cells.types), areAlike ? gxy_array{} : rowOf(cells.offsets),
+                       rowOf(cells.connectivity));
   } else {
     result = gxy_points(sim_.get(), points.mesh.c_str(), count, positions, ids, box);
   }
@@ -316,11 +319,12 @@ void Adaptor::execute(const Node& params) {
 
 void Adaptor::describe(const Node& params) {
   for (auto& [key, now] : told_) now = false;
-  const Meshes meshes = meshesOf(params);
+  meshes_ = meshesOf(params);
+  forgetUnused(meshes_.lattices);
   std::map<std::string, std::vector<GridBlock>> grids;
-  for (const GridBlock& block : meshes.grids) grids[block.mesh].push_back(block);
+  for (const GridBlock& block : meshes_.grids) grids[block.mesh].push_back(block);
   for (const auto& [mesh, blocks] : grids) grid(mesh, blocks);
-  for (const Points& all : meshes.points) points(all);
+  for (const Points& all : meshes_.points) points(all);
   for (const auto& [key, now] : told_) {
     const auto& [mesh, block, name] = key;
     if (!now)

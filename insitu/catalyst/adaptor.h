@@ -81,6 +81,7 @@ class Adaptor {
   std::map<std::string, Grid> grids_;
   std::map<std::string, std::string> owners_;  // by field, the first mesh with one of this name
   std::map<Key, bool> told_;                   // what gxy_publish() will read, and whether this step has it
+  Meshes meshes_;                              // of this step, whose arrays gxy_publish() reads
   std::map<Key, std::vector<std::byte>> copies_;  // of components that lie at unequal distances
 };
 

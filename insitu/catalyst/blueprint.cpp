@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "insitu/api/galaxy_insitu.h"
+#include "insitu/catalyst/blueprint_cells.h"
 
 namespace gxy::catalyst {
 
@@ -30,12 +30,21 @@ Values valuesAt(const Node& node, const std::string& name, const std::vector<Nod
 }
 
 // Coordinates by their names, in whatever order they stand.
-Values positionsAt(const Node& node) {
+std::vector<Node> axesAt(const Node& node) {
   std::vector<Node> axes;
   for (const std::string& axis : kX)
     if (const auto child = node.find(axis)) axes.push_back(*child);
   if (axes.size() != 3 || node.children().size() != 3) fail(node.path(), "expected x, y and z");
-  return valuesAt(node, "positions", axes);
+  return axes;
+}
+
+Values positionsAt(const Node& node) { return valuesAt(node, "positions", axesAt(node)); }
+
+// Those of the planes of a lattice, which has another number of them along each axis.
+Values planesAt(const Node& node) {
+  Values values{node.path(), "positions", false, {}};
+  for (const Node& axis : axesAt(node)) values.components.push_back(axis.array());
+  return values;
 }
 
 // Points or cells of a block; -1: too many for an integer.
@@ -120,41 +129,93 @@ void addGrid(GridBlock block, std::vector<Values> fields, const std::string& gho
   grids.push_back(std::move(block));
 }
 
-// The cells of a topology of one shape; nothing if they are none that is taken.
-std::optional<Cells> cellsOf(const Node& topology) {
-  constexpr struct {
-    const char* shape;
-    uint8_t type, points;
-  } kTaken[] = {{"line", GXY_LINE, 2}, {"tri", GXY_TRIANGLE, 3}, {"quad", GXY_QUAD, 4}};
-  const std::string shape = topology.at("elements/shape").text();
-  for (const auto& taken : kTaken) {
-    if (shape != taken.shape) continue;
-    const Node connectivity = topology.at("elements/connectivity");
-    const Cells cells{taken.type, connectivity.array(), connectivity.array().count / taken.points};
-    if (cells.count * taken.points != cells.connectivity.count)
-      fail(connectivity.path(), "found " + std::to_string(cells.connectivity.count) + " points, expected " +
-                                    std::to_string(taken.points) + " for each of the elements");
-    return cells;
-  }
-  return {};
-}
-
 void addPoints(Points points, std::vector<Values> fields, const std::string& ghosts, const Warn& warn,
                std::vector<Points>& all) {
   if (std::any_of(all.begin(), all.end(), [&](const Points& p) { return p.mesh == points.mesh; }))
     return warn(points.path + ": " + (points.cells ? "cells" : "points") +
                 " of a second domain, expected one on each rank, left out");
+  const bool isVolume = points.cells && points.cells->isVolume;
+  std::optional<Values> ghostsOfCells;
   for (Values& values : fields) {
-    if (isGhosts(values.name, ghosts)) {
-      warn(values.path + ": ghosts of " + (points.cells ? "cells" : "points") +
-           " are not known as such, and shown");
-      continue;
-    }
+    const auto leaveOut = [&](const std::string& why) { warn(values.path + ": " + why); };
     checkCount(values, points.cells && values.ofElements ? points.cells->count
                                                          : points.positions.components[0].count);
-    points.fields.push_back(std::move(values));
+    if (isGhosts(values.name, ghosts)) {
+      if (!isVolume || !values.ofElements)
+        leaveOut("ghosts of " + std::string(points.cells ? "cells" : "points") +
+                 " are not known as such, and shown");
+      else
+        ghostsOfCells = std::move(values);
+    } else if (isVolume && values.ofElements) {
+      leaveOut("a field of elements with a volume, expected fields of vertices so far, left out");
+    } else {
+      points.fields.push_back(std::move(values));
+    }
   }
+  if (isVolume && points.fields.empty())
+    return warn(points.path + ": elements with a volume without a field of vertices, left out");
+  if (ghostsOfCells) points.cells = withoutGhosts(*points.cells, *ghostsOfCells);
   all.push_back(std::move(points));
+}
+
+// The points along each axis of a structured topology; nothing, and a warning, if they are not taken.
+std::optional<Index> structuredPoints(const Node& topology, const Warn& warn) {
+  const Node dims = topology.at("elements/dims");
+  if (!dims.find("k") || dims.find("strides") || dims.find("offsets")) {
+    warn(topology.path() +
+         ": a structured topology of two dimensions, or with strides, is not taken so far, left out");
+    return {};
+  }
+  Index points{};
+  for (size_t a = 0; a < 3; a++) {
+    const int64_t n = dims.at(kI[a]).integer();
+    if (n < 0 || n >= kMostPoints) fail(dims.path() + "/" + kI[a], "expected 0 to 2^31 elements");
+    points[a] = n + 1;
+  }
+  return points;
+}
+
+void checkLattice(const std::string& path, const Index& points) {
+  const int64_t count = countOf(points, false);
+  if (count < 0 || count >= int64_t(UINT32_MAX)) fail(path, "expected at most 2^32 - 2 points");
+}
+
+// Points and cells of a topology; nothing, and a warning, if it is not taken.
+std::optional<Points> pointsOf(const Node& topology, const Node& coordset, const Warn& warn,
+                               Lattices& lattices) {
+  const std::string type = topology.at("type").text(), coordinates = coordset.at("type").text();
+  Points points{topology.path(), {}, {}, {}, {}};
+  if (type == "points" && coordinates == "explicit") {
+    points.positions = positionsAt(coordset.at("values"));
+  } else if (type == "unstructured" && coordinates == "explicit") {
+    points.cells = unstructuredCells(topology, warn);
+    if (!points.cells) return {};
+    points.positions = positionsAt(coordset.at("values"));
+  } else if (type == "structured" && coordinates == "explicit") {
+    points.positions = positionsAt(coordset.at("values"));
+    auto size = structuredPoints(topology, warn);
+    if (!size) return {};
+    const int64_t count = points.positions.components[0].count;
+    if (count == 0) size = Index{};  // This rank has none.
+    checkLattice(topology.path(), *size);
+    if (countOf(*size, false) != count)
+      fail(coordset.path() + "/values", "found " + std::to_string(count) + " points, expected " +
+                                            std::to_string(countOf(*size, false)) +
+                                            ", those of the elements");
+    points.cells = latticeCells(*size, lattices);
+  } else if (type == "rectilinear" && coordinates == "rectilinear") {
+    const Values planes = planesAt(coordset.at("values"));
+    Index size{};
+    for (size_t a = 0; a < 3; a++) size[a] = planes.components[a].count;
+    checkLattice(coordset.path(), size);
+    points.positions = latticePositions(planes, lattices, points.made);
+    points.cells = latticeCells(size, lattices);
+  } else {
+    warn(topology.path() + ": type \"" + type + "\" on coordinates of type \"" + coordinates +
+         "\" is not taken so far, left out");
+    return {};
+  }
+  return points;
 }
 
 }  // namespace
@@ -213,19 +274,9 @@ void addMeshes(const Node& mesh, const std::string& name, const std::string& poi
       GridBlock block = gridOf(coordset, topology);
       block.mesh = name + suffix;
       addGrid(std::move(block), fieldsOf(mesh, topology.name(), warn), ghosts, meshes.grids);
-    } else if (type == "points" && coordinates == "explicit") {
-      addPoints({topology.path(), pointsName + suffix, positionsAt(coordset.at("values")), {}, {}},
-                fieldsOf(mesh, topology.name(), warn), ghosts, warn, meshes.points);
-    } else if (type == "unstructured" && coordinates == "explicit") {
-      if (const auto cells = cellsOf(topology))
-        addPoints({topology.path(), pointsName + suffix, positionsAt(coordset.at("values")), {}, cells},
-                  fieldsOf(mesh, topology.name(), warn), ghosts, warn, meshes.points);
-      else
-        warn(topology.path() + ": elements of shape \"" + topology.at("elements/shape").text() +
-             "\" are not taken so far, expected \"line\", \"tri\" or \"quad\", left out");
-    } else {
-      warn(topology.path() + ": type \"" + type + "\" on coordinates of type \"" + coordinates +
-           "\" is not taken so far, left out");
+    } else if (auto points = pointsOf(topology, coordset, warn, meshes.lattices)) {
+      points->mesh = pointsName + suffix;
+      addPoints(*std::move(points), fieldsOf(mesh, topology.name(), warn), ghosts, warn, meshes.points);
     }
   }
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Galaxy takes of a mesh in Conduit's Mesh Blueprint: blocks of uniform grids, points, lines and triangles, and fields.
+// What Galaxy takes of a mesh in Conduit's Mesh Blueprint: blocks of uniform grids, points, cells, and fields.
 #pragma once
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,24 +48,44 @@ int64_t cells(const Index& points, size_t axis);
 /// What the block has without ghosts. Throws std::runtime_error where that is not a box.
 Box ownedOf(const GridBlock& block);
 
-/// Lines, triangles or quads between points.
+/// Cells between points.
 struct Cells {
-  uint8_t type = 0;  ///< gxy_cell
-  Array connectivity;
+  uint8_t type = 0;  ///< gxy_cell of all cells; 0: each has another one
+  Array types,       ///< where each has another one
+      offsets,       ///< likewise, one more than there are cells
+      connectivity;
   int64_t count = 0;
+  bool isVolume = false;
+  std::vector<std::shared_ptr<const void>>
+      made;  ///< what holds those arrays that the simulation does not have
 };
 
-/// Points, with a field for each. Or with cells between them, and fields of both.
+/// Points, with a field for each. Or with cells between them, and fields of both; of cells with a volume only those of points.
 struct Points {
   std::string path, mesh;
   Values positions;
   std::vector<Values> fields;
   std::optional<Cells> cells;
+  std::shared_ptr<const void> made{};  ///< what holds positions that the simulation does not have
 };
 
+/// What was made of lattices for the step before, so that it is made anew only where it is another one.
+struct Lattices {
+  /// The corners of the cells, by points along x, y and z.
+  std::map<Index, std::shared_ptr<const std::vector<uint32_t>>> corners;
+  struct Placed {
+    std::array<std::vector<double>, 3> planes;  ///< coordinates along each axis
+    std::shared_ptr<const std::vector<double>> points;
+  };
+  std::map<std::string, Placed> placed;  ///< by the path of the coordinates
+};
+void forgetUnused(Lattices& lattices);
+
+/// What is published must not outlive it.
 struct Meshes {
   std::vector<GridBlock> grids;
   std::vector<Points> points;
+  Lattices lattices;
 };
 
 using Warn = std::function<void(const std::string&)>;

@@ -68,17 +68,18 @@ void CellArrays::describe(const std::string& what) {
   if (hasOffsets && !isInteger(offsets, false))
     throw Error(what + ", offsets: " + found(offsets) +
                 ", expected one integer of 32 or 64 bits, or 0 components for none");
-  if (!hasOffsets && count > 0 && (allOf == 0 || pointsOfEach(DrawnCellType(allOf)) == 0))
-    throw Error(
-        what +
-        ", offsets: there are none, expected cells + 1 of them unless all cells are said to be lines (3), "
-        "triangles (5), pixels (8) or quads (9)");
+  if (!hasOffsets && count > 0 && (allOf == 0 || pointsOfEach(allOf) == 0))
+    throw Error(what +
+                ", offsets: there are none, expected cells + 1 of them unless all cells are said to be of "
+                "one type with a "
+                "fixed number of points: lines (3), triangles (5), pixels, quads (8, 9), or cells with a "
+                "volume (10 to 14)");
   if (hasOffsets)
     checkIntegers(what + ", offsets", offsets, count > 0 ? count + 1 : 0, "that of the first cell");
   if (!isInteger(connectivity, false))
     throw Error(what + ", connectivity: " + found(connectivity) +
                 ", expected one integer of 32 or 64 bits for each point of each cell");
-  if (!hasOffsets && count > 0 && count * pointsOfEach(DrawnCellType(allOf)) > kMostParticles)
+  if (!hasOffsets && count > 0 && count * pointsOfEach(allOf) > kMostParticles)
     throw Error(what +
                 ": the cells of this rank have more than 2^32 - 2 points together, expected at most as many");
   checkIntegers(what + ", connectivity", connectivity, count > 0 ? 2 : 0,
@@ -87,12 +88,12 @@ void CellArrays::describe(const std::string& what) {
 
 Mesh::Shape CellArrays::shape() const {
   if (allOf == 0) return Mesh::Shape::Unknown;
-  return becomesLines(allOf) ? Mesh::Shape::Lines : Mesh::Shape::Triangles;
+  return shapeOf(allOf, "cells");  // It was checked when they were described.
 }
 
 uint64_t CellArrays::corners() const {
   if (count == 0) return 0;
-  if (offsets.components == 0) return count * pointsOfEach(DrawnCellType(allOf));
+  if (offsets.components == 0) return count * pointsOfEach(allOf);
   int64_t begin = 0, end = 0;
   bool isRight = true;
   eachInteger(offsets, 0, count + 1, [&](uint64_t i, int64_t offset) {
@@ -117,7 +118,7 @@ void CellArrays::copyTypes(std::byte* to) const {
 void CellArrays::copyEnds(std::byte* to) const {
   if (count == 0) return;
   if (offsets.components == 0) {
-    const size_t each = pointsOfEach(DrawnCellType(allOf));
+    const size_t each = pointsOfEach(allOf);
     for (uint64_t c = 0; c < count; c++) put(to, c, uint32_t((c + 1) * each));
     return;
   }

@@ -201,8 +201,9 @@ void Meshes::cells(const std::string& mesh, uint64_t count, const gxy_array& pos
                          before->shape == one.shape;
     if (before->positions != one.positions || !isShape)
       throw Error(what +
-                  ": another type of positions, or lines and triangles, after the first step, expected "
-                  "those of before");
+                  ": another type of positions, or cells of another kind (lines, triangles or cells with a "
+                  "volume), after "
+                  "the first step, expected those of before");
   }
   Data& data = replace(one, count, positions);
   data.cells = arrays;
@@ -319,6 +320,7 @@ Description Meshes::describeBlocks() {
                              [&positions = data.positions](size_t i) { return positionAt(positions, i); });
   }
   insitu::check(description);
+  checkVolumes(description.meshes);
   std::vector<const Data*> meshes;
   for (auto& [name, data] : data_) {
     data.mesh = description.meshes[meshes.size()];

@@ -34,13 +34,16 @@ struct Cells {
 /// Returns what cells of a type of VTK become. Throws Error, which begins with `what`, for those that are not taken.
 Mesh::Shape shapeOf(int type, const std::string& what);
 
+/// The number of points of each cell of a type that is taken; 0 if they have any number.
+size_t pointsOfEach(int type);
+
 /// Returns what the cells become; Unknown if there are none. Throws Error, which begins with `what` and names the cell, unless all
 /// become `shape` (Unknown: the same), their corners follow each other in `connectivity` and fill it, each has as many as its type
 /// needs, and the points that they name exist and are finite.
 Mesh::Shape check(const Cells& cells, Mesh::Shape shape, const std::string& what,
                   const std::function<glm::dvec3(size_t point)>& position);
 
-/// How many segments or triangles there are.
+/// How many segments or triangles there are, of cells that become such.
 uint64_t primitivesOf(const Cells& cells);
 
 }  // namespace gxy::insitu

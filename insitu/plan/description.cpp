@@ -125,9 +125,37 @@ std::vector<Array> arraysOf(const Mesh& mesh) {
   return arrays;
 }
 
+const char* nameOf(Mesh::Shape shape) {
+  switch (shape) {
+    case Mesh::Shape::Lines:
+      return "lines";
+    case Mesh::Shape::Triangles:
+      return "triangles";
+    case Mesh::Shape::Volume:
+      return "cells with a volume";
+    case Mesh::Shape::Unknown:
+      break;
+  }
+  return "no cells";
+}
+
+void checkVolumes(std::span<const Mesh> meshes) {
+  for (const Mesh& mesh : meshes) {
+    if (mesh.kind != Mesh::Kind::Cells || mesh.shape != Mesh::Shape::Volume) continue;
+    const std::string what = "cells \"" + mesh.name + "\": ";
+    if (mesh.fields.empty())
+      throw Error(what + "cells with a volume without a field, expected one or more fields of points");
+    for (const Field& field : mesh.fields)
+      if (field.ofCells)
+        throw Error(
+            what + "field \"" + field.name +
+            "\" is one of cells; cells with a volume cannot have these yet, expected fields of points");
+  }
+}
+
 bool isNormals(const Mesh& mesh, const Field& field) {
-  return mesh.kind == Mesh::Kind::Cells && !field.ofCells && field.components == 3 &&
-         (field.name == "Normals" || field.name == "Normals_");
+  return mesh.kind == Mesh::Kind::Cells && mesh.shape != Mesh::Shape::Volume && !field.ofCells &&
+         field.components == 3 && (field.name == "Normals" || field.name == "Normals_");
 }
 
 void mergeMeshes(std::vector<Mesh>& meshes, const std::vector<Mesh>& others, int rank) {
@@ -136,9 +164,8 @@ void mergeMeshes(std::vector<Mesh>& meshes, const std::vector<Mesh>& others, int
     const Mesh::Shape shape = others[m].shape;
     if (merged[m].shape == Mesh::Shape::Unknown) merged[m].shape = shape;
     if (shape == Mesh::Shape::Unknown || shape == merged[m].shape) continue;
-    throw Error("cells \"" + meshes[m].name + "\": rank " + std::to_string(rank) + " has " +
-                (shape == Mesh::Shape::Lines ? "lines" : "triangles") + ", and a rank before has " +
-                (shape == Mesh::Shape::Lines ? "triangles" : "lines") + ", expected one of both in a mesh");
+    throw Error("cells \"" + meshes[m].name + "\": rank " + std::to_string(rank) + " has " + nameOf(shape) +
+                ", and a rank before has " + nameOf(merged[m].shape) + ", expected the same on all ranks");
   }
   std::vector<Mesh> same = others;
   for (size_t m = 0; m < std::min(merged.size(), same.size()); m++) same[m].shape = merged[m].shape;
@@ -256,8 +283,8 @@ std::vector<Mesh> readMeshes(std::span<const std::byte> message) {
         mesh.box = r.read<Box>();
       } else {
         const auto shape = r.read<uint8_t>();
-        if (shape > uint8_t(Mesh::Shape::Triangles))
-          r.fail("shape " + std::to_string(int(shape)) + " of cells, expected 0 to 2");
+        if (shape > uint8_t(Mesh::Shape::Volume))
+          r.fail("shape " + std::to_string(int(shape)) + " of cells, expected 0 to 3");
         mesh.shape = Mesh::Shape(shape);
       }
     }

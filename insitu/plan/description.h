@@ -42,13 +42,14 @@ struct Mesh {
   enum class Kind : uint8_t {
     Grid,    ///< each rank owns the same points in each step, until it says something else
     Points,  ///< particles: each rank has any number of them, another one in each step
-    Cells    ///< points, and lines or triangles between them: each rank has any number, others in each step
+    Cells    ///< points, and cells between them: each rank has any number, others in each step
   };
   /// What the cells of a mesh become.
   enum class Shape : uint8_t {
     Unknown,  ///< the rank has no cells
     Lines,
-    Triangles
+    Triangles,
+    Volume  ///< an unstructured volume
   };
   std::string name;
   Kind kind = Kind::Grid;
@@ -82,8 +83,14 @@ struct Array : Field {
 /// VTK (8 bits), and the number of corners up to their end (32 bits); and each corner the number of its point (32 bits).
 std::vector<Array> arraysOf(const Mesh& mesh);
 
-/// Whether a field has the normals of a mesh of cells: three components of points, with the name that files use. They belong to all
-/// datasets of the mesh, and are none by themselves.
+/// What cells of a shape are called, for users: "lines".
+const char* nameOf(Mesh::Shape shape);
+
+/// Throws Error for cells with a volume that have no field, or one of cells. The fields and shapes are known.
+void checkVolumes(std::span<const Mesh> meshes);
+
+/// Whether a field has the normals of a mesh of triangles or lines: three components of points, with the name that files use. They
+/// belong to all datasets of the mesh, and are none by themselves.
 bool isNormals(const Mesh& mesh, const Field& field);
 
 /// Throws Error unless a simulation may go on with `now` after `before`: grids may have another size, origin and spacing, and cells that

@@ -12,39 +12,16 @@
 
 namespace gxy {
 
-using insitu::Array;
-
-namespace {
-
-template <class T>
-std::span<const T> spanOf(const SentArrays::Source& source, size_t array) {
-  return {reinterpret_cast<const T*>(source.data(array)), size_t(source.counts[array])};
-}
-
-}  // namespace
-
 CellsRoom::CellsRoom(const insitu::Mesh& mesh, TakeStepMemory take)
     : sent_(mesh, std::move(take), 0),
       kind_(mesh.shape == insitu::Mesh::Shape::Lines ? GeometryKind::PathLines : GeometryKind::Triangles) {}
 
-insitu::Cells CellsRoom::cellsOf(const SentArrays::Source& source) const {
-  if (source.counts.empty()) return {};
-  return {source.points(), spanOf<uint8_t>(source, sent_.arrayOf(Array::What::Types)),
-          spanOf<uint32_t>(source, sent_.arrayOf(Array::What::Ends)),
-          spanOf<uint32_t>(source, sent_.arrayOf(Array::What::Connectivity))};
-}
-
 // By rank of the simulation.
 std::vector<uint64_t> CellsRoom::checkedPrimitives() const {
+  checkCells(sent_);
   std::vector<uint64_t> primitives;
-  for (const SentArrays::Source& source : sent_.sources()) {
-    const insitu::Cells cells = cellsOf(source);
-    check(cells, sent_.mesh().shape,
-          "cells \"" + sent_.mesh().name + "\", rank " + std::to_string(primitives.size()) +
-              " of the simulation",
-          [&](size_t point) { return sent_.position(source, point); });
-    primitives.push_back(insitu::primitivesOf(cells));
-  }
+  for (const SentArrays::Source& source : sent_.sources())
+    primitives.push_back(insitu::primitivesOf(cellsOf(sent_, source)));
   return primitives;
 }
 
@@ -76,7 +53,7 @@ CellsRoom::Made CellsRoom::make(const std::map<int, uint64_t>& firstIds) const {
   int64_t cell = 0;
   for (size_t r = 0; r < sent_.sources().size(); r++) {
     const SentArrays::Source& source = sent_.sources()[r];
-    const insitu::Cells cells = cellsOf(source);
+    const insitu::Cells cells = cellsOf(sent_, source);
     const auto shift = uint32_t(block.points.size());
     for (size_t i = 0; i < source.points(); i++) block.points.push_back(sent_.position(source, i));
     for (size_t c = 0; c < cells.count(); c++, cell++) {

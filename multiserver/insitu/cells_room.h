@@ -6,7 +6,6 @@
 #include <memory>
 #include <vector>
 
-#include "insitu/plan/cells.h"
 #include "multiserver/insitu/sent_arrays.h"
 
 namespace gxy {
@@ -33,7 +32,6 @@ class CellsRoom final : public MeshRoom {
     GeometryBlock block;
     std::vector<int64_t> cells;
   };
-  insitu::Cells cellsOf(const SentArrays::Source& source) const;
   std::vector<uint64_t> checkedPrimitives() const;
   int64_t bytesToMake(uint64_t primitives) const;
   Made make(const std::map<int, uint64_t>& firstIds) const;

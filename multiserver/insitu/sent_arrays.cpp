@@ -12,8 +12,38 @@ namespace gxy {
 
 using insitu::Array;
 
+namespace {
+
+template <class T>
+std::span<const T> spanOf(const SentArrays& sent, const SentArrays::Source& source, Array::What what) {
+  const size_t array = sent.arrayOf(what);
+  return {reinterpret_cast<const T*>(source.data(array)), size_t(source.counts[array])};
+}
+
+}  // namespace
+
+insitu::Cells cellsOf(const SentArrays& sent, const SentArrays::Source& source) {
+  if (source.counts.empty()) return {};
+  return {source.points(), spanOf<uint8_t>(sent, source, Array::What::Types),
+          spanOf<uint32_t>(sent, source, Array::What::Ends),
+          spanOf<uint32_t>(sent, source, Array::What::Connectivity)};
+}
+
+void checkCells(const SentArrays& sent) {
+  for (size_t r = 0; r < sent.sources().size(); r++) {
+    const SentArrays::Source& source = sent.sources()[r];
+    check(cellsOf(sent, source), sent.mesh().shape,
+          "cells \"" + sent.mesh().name + "\", rank " + std::to_string(r) + " of the simulation",
+          [&](size_t point) { return sent.position(source, point); });
+  }
+}
+
 SentArrays::SentArrays(const insitu::Mesh& mesh, TakeStepMemory take, uint64_t morePerPoint)
-    : mesh_(mesh), arrays_(arraysOf(mesh)), take_(std::move(take)), morePerPoint_(morePerPoint) {}
+    : mesh_(mesh),
+      arrays_(arraysOf(mesh)),
+      take_(std::move(take)),
+      purpose_(mesh.shape == insitu::Mesh::Shape::Volume ? "volume" : "geometry"),
+      morePerPoint_(morePerPoint) {}
 
 size_t SentArrays::arrayOf(size_t field) const {
   return size_t(

@@ -12,6 +12,7 @@
 
 #include "core/data/owned_geometry.h"
 #include "core/space/large_vector.h"
+#include "insitu/plan/cells.h"
 #include "multiserver/insitu/mesh_room.h"
 
 namespace gxy {
@@ -51,7 +52,7 @@ class SentArrays {
   /// By rank of the simulation, up to the last one that has sent something.
   const std::vector<Source>& sources() const { return sources_; }
   glm::dvec3 position(const Source& source, size_t point) const;
-  LedgerEntry take(int64_t bytes) const { return take_("geometry", bytes); }
+  LedgerEntry take(int64_t bytes) const { return take_(purpose_, bytes); }
   /// Gives the memory back.
   void clear() { sources_.clear(); }
 
@@ -59,9 +60,15 @@ class SentArrays {
   const insitu::Mesh& mesh_;
   const std::vector<insitu::Array> arrays_;
   const TakeStepMemory take_;
+  const char* const purpose_;  ///< of the memory, for the ledger
   const uint64_t morePerPoint_;
   std::vector<Source> sources_;
 };
+
+/// What one rank of the simulation has sent of a mesh of cells. Nothing is known of its content.
+insitu::Cells cellsOf(const SentArrays& sent, const SentArrays::Source& source);
+/// Throws Error for cells that are wrong, naming the mesh, the rank of the simulation and the cell (insitu/plan/cells.h).
+void checkCells(const SentArrays& sent);
 
 /// Collective. Numbers what each rank of the simulation has, by ascending rank. `counts` are those of this rank of the server, by rank of the
 /// simulation, where each rank of the simulation has sent to one rank only. Returns the first number of each rank that has something.

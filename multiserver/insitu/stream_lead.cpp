@@ -36,6 +36,7 @@ protocol::WireMessage controlMessage(const Control& control) {
 DatasetType typeOf(const insitu::Mesh& mesh) {
   if (mesh.kind == insitu::Mesh::Kind::Grid) return DatasetType::Volume;
   if (mesh.kind == insitu::Mesh::Kind::Points) return DatasetType::Particles;
+  if (mesh.shape == insitu::Mesh::Shape::Volume) return DatasetType::Volume;
   return mesh.shape == insitu::Mesh::Shape::Lines ? DatasetType::PathLines : DatasetType::Triangles;
 }
 
@@ -144,6 +145,7 @@ std::vector<insitu::Mesh> StreamLead::mergedMeshes() const {
   for (insitu::Mesh& mesh : meshes)  // No rank has cells so far.
     if (mesh.kind == insitu::Mesh::Kind::Cells && mesh.shape == insitu::Mesh::Shape::Unknown)
       mesh.shape = insitu::Mesh::Shape::Triangles;
+  insitu::checkVolumes(meshes);
   return meshes;
 }
 
@@ -444,7 +446,10 @@ StepValues StreamLead::valuesOf(const std::string& field) const {
   const std::string name = identity().name + "." + field;
   const auto dataset = serverRank_.datasets->getPinned(identity().tenant, name).second.get<Dataset>();
   const Range range = dataset->range();
-  return {range.min, range.max, dataset->volume ? dataset->volume->noDataSamples : 0};
+  int64_t noData = 0;
+  if (dataset->volume) noData = dataset->volume->noDataSamples;
+  if (dataset->mesh) noData = int64_t(dataset->mesh->report.noDataPoints);
+  return {range.min, range.max, noData};
 }
 
 // Does what is to be done with the step that was just published.
@@ -589,6 +594,7 @@ void StreamLead::finish() {
 
 json StreamLead::statistics() const {
   const size_t connections = part_->connections(), checked = part_->checkedConnections();
+  const uint64_t sameCells = part_->stepsWithTheSameCells();
   const std::lock_guard lock(mutex_);
   json fields = json::array();
   for (const insitu::Publishes& d : insitu::datasetsOf(meshes_))
@@ -603,6 +609,9 @@ json StreamLead::statistics() const {
     uint64_t bytes = 0;
     for (const auto& [owner, some] : bytes_) bytes += some;
     result["bytes"] = bytes;
+    if (std::any_of(meshes_.begin(), meshes_.end(),
+                    [](const insitu::Mesh& mesh) { return mesh.shape == insitu::Mesh::Shape::Volume; }))
+      result["same cells"] = sameCells;
   }
   if (newest_.count > 0) {
     result["step"] = newest_.step;

@@ -13,6 +13,7 @@
 #include "multiserver/insitu/cells_room.h"
 #include "multiserver/insitu/grid_room.h"
 #include "multiserver/insitu/points_room.h"
+#include "multiserver/insitu/volume_room.h"
 #include "multiserver/server/datasets.h"
 
 namespace gxy {
@@ -69,6 +70,9 @@ void StreamPart::plan(StreamPlan plan) {
   pieces_ = std::move(pieces);
   places_ = std::move(places);
   ghosts_ = std::move(ghosts);
+  for (size_t m = 0; m < plan_->meshes.size(); m++)
+    if (plan_->meshes[m].shape == insitu::Mesh::Shape::Volume)
+      kept_[m].keep(nullptr);  // It is of other partitions, perhaps.
   expect(expected_);
 }
 
@@ -102,9 +106,10 @@ void StreamPart::send(int rank, protocol::WireMessage message) {
   if (const auto link = links_.find(rank); link != links_.end()) link->second.link->send(std::move(message));
 }
 
-void StreamPart::bye(const std::string& reason) {
+void StreamPart::end(const std::string& reason) {
   const std::lock_guard lock(mutex_);
   over_ = true;
+  for (auto& [mesh, kept] : kept_) kept.keep(nullptr);
   for (const auto& [rank, link] : links_) link.link->bye(reason);
 }
 
@@ -171,6 +176,8 @@ void StreamPart::makeRoom(const insitu::Encodings& encodings) {
                                                  serverRank_.rank(), take));
     else if (mesh.kind == insitu::Mesh::Kind::Points)
       rooms.push_back(std::make_unique<PointsRoom>(mesh, take));
+    else if (mesh.shape == insitu::Mesh::Shape::Volume)
+      rooms.push_back(std::make_unique<VolumeRoom>(mesh, *plan_->partitioning, take, kept_.at(m)));
     else
       rooms.push_back(std::make_unique<CellsRoom>(mesh, take));
   }
@@ -257,6 +264,13 @@ void StreamPart::learnEncodings(const std::vector<std::shared_ptr<Dataset>>& dat
   }
   plain_ = std::max(0, plain_ - 1);
   learned_ = plain_ > 0 ? insitu::Encodings() : learned;
+}
+
+uint64_t StreamPart::stepsWithTheSameCells() const {
+  const std::lock_guard lock(mutex_);
+  uint64_t steps = 0;
+  for (const auto& [mesh, kept] : kept_) steps += kept.uses();
+  return steps;
 }
 
 bool StreamPart::wasUnfit() const {

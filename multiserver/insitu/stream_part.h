@@ -15,6 +15,7 @@
 #include "insitu/plan/receiver.h"
 #include "multiserver/insitu/data_port.h"
 #include "multiserver/insitu/mesh_room.h"
+#include "multiserver/insitu/volume_room.h"
 #include "multiserver/server/server_rank.h"
 
 namespace gxy {
@@ -69,7 +70,8 @@ class StreamPart {
   bool connect(int rank, std::shared_ptr<DataLink> link, insitu::Checksum checksum);
   void disconnect(int rank, const std::string& reason, bool regularly);
   void send(int rank, protocol::WireMessage message);
-  void bye(const std::string& reason);
+  /// Says bye on all connections. Forgets what was kept for further steps.
+  void end(const std::string& reason);
   size_t connections() const;
   size_t checkedConnections() const;  ///< those whose pieces have checksums
   bool isConnected(int rank) const;
@@ -85,6 +87,9 @@ class StreamPart {
                      const std::function<uint64_t()>& last);
   /// Returns how the next step may be sent: doubles as floats with the shift and scale that the last step has got.
   insitu::Encodings encodings() const;
+  /// Steps in which a mesh of cells with a volume had the points and cells of the step before, so that these were not made anew; of all
+  /// meshes together.
+  uint64_t stepsWithTheSameCells() const;
   /// Whether the last step was left out since its encodings did not suit its values.
   bool wasUnfit() const;
 
@@ -106,7 +111,7 @@ class StreamPart {
     insitu::Checksum checksum = insitu::Checksum::None;
   };
   std::map<int, Link> links_;  ///< by rank of the simulation
-  bool over_ = false;          ///< bye() has been said
+  bool over_ = false;          ///< end() has been said
   std::optional<StreamPlan> plan_;
   std::vector<std::optional<GhostPlan>> ghosts_;  ///< by mesh; of grids
   std::optional<insitu::Receiver> receiver_;
@@ -123,6 +128,7 @@ class StreamPart {
   insitu::Encodings learned_;                       ///< from the last step
   bool unfit_ = false;
   int plain_ = 0;                                 ///< steps that are sent as they are before others
+  std::map<size_t, KeptVolume> kept_;             ///< by mesh, of cells with a volume
   std::vector<std::unique_ptr<MeshRoom>> rooms_;  ///< by mesh, while a step is collected
 };
 

@@ -216,7 +216,7 @@ json Streams::endHere(const json& p) {
     parts_.erase(at);
     if (parts_.empty()) port = std::move(port_);
   }
-  gone->bye(p.at("reason").get<std::string>());
+  gone->end(p.at("reason").get<std::string>());
   return nullptr;  // The port closes without the lock, since its thread may wait for that.
 }
 

@@ -84,8 +84,11 @@ TestScene moved(const TestScene& from, double factor, glm::dvec3 shift) {
     } else if (d.mesh) {
       auto mesh = std::make_shared<Mesh>(*d.mesh);
       mesh->box = {place(mesh->box.lo), place(mesh->box.hi)};
-      for (auto& [partition, block] : mesh->blocks)
-        for (glm::dvec3& p : block.points) p = place(p);
+      for (auto& [partition, block] : mesh->blocks) {
+        std::vector<glm::dvec3> points(block.points.begin(), block.points.end());
+        for (glm::dvec3& p : points) p = place(p);
+        block.points = std::move(points);
+      }
       d.mesh = mesh;
     } else {
       auto geometry = std::make_shared<Geometry>(*d.geometry);

@@ -96,6 +96,14 @@ inline bool areEqual(const MeshBlock& a, const MeshBlock& b) {
          a.cellValues == b.cellValues && a.neighbours == b.neighbours && a.shell == b.shell;
 }
 
+/// The cells of a block, as connect() takes them.
+inline MeshCells cellsOf(const MeshBlock& block) {
+  MeshCells cells;
+  for (size_t type = 0; type < kCellTypes; type++)
+    cells.points[type].assign(block.cells.points[type].begin(), block.cells.points[type].end());
+  return cells;
+}
+
 /// The blocks of all ranks, of `mesh` dealt out in as many pieces of cells.
 inline std::map<int, MeshBlock> dealtOut(const MeshPiece& mesh, const Partitioning& partitioning, int ranks,
                                          std::mt19937& random, MeshBlockCounts& counts) {

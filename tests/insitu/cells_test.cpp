@@ -162,13 +162,15 @@ TEST(Cells, ThatAreWrongAreLeftOutAndTold) {
     const int64_t before = mesh.published();
     run(mesh, [&] { return mesh.published() > before; });
   };
+  expectProblem([](RankMesh& m) { m.types[2] = 24; },
+                "cell 2: cells of type 24 (quadratic tetrahedra) are not supported, expected lines");
   expectProblem([](RankMesh& m) { m.types[2] = 12; },
-                "cell 2: cells of type 12 (hexahedron) are not supported yet");
+                "cell 2: type 12, of cells with a volume, in a mesh of triangles");
   expectProblem([](RankMesh& m) { m.types[3] = GXY_POLY_LINE; },
                 "cell 3: type 4, of lines, in a mesh of triangles");
   expectProblem([](RankMesh& m) { m.offsets[2] = 1; }, "cell 1: its offsets do not ascend");
   expectProblem([](RankMesh& m) { m.offsets[0] = -1; }, "cell 0: its offsets do not ascend, or are negative");
-  expectProblem([](RankMesh& m) { m.connectivity[1] = -7; }, "cell 0: point number negative");
+  expectProblem([](RankMesh& m) { m.connectivity[1] = -7; }, "cell 0: its point 1 is negative");
   expectProblem([](RankMesh& m) { m.connectivity[0] = int64_t(m.points.size()); }, "expected one of the ");
   expectProblem([](RankMesh& m) { m.points[size_t(m.connectivity[0])][2] = INFINITY; }, "are not finite");
 }
@@ -194,7 +196,7 @@ TEST(Cells, OfOneMeshAreLinesOrTriangles) {
         step++;
         for (gxy_sim* s : sims) gxy_publish(s, step, 0);
         return std::any_of(sims.begin(), sims.end(), [](gxy_sim* s) {
-          return std::string(gxy_message(s)).find("expected one of both in a mesh") != std::string::npos;
+          return std::string(gxy_message(s)).find("expected the same on all ranks") != std::string::npos;
         });
       },
       "the reason");

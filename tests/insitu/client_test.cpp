@@ -256,8 +256,10 @@ TEST(Interface, WrongCellsAreToldAndChangeNothing) {
   a = corners;
   a.memory = 1;
   s.expectWrong(cells(at, each, offsets, a), "connectivity: memory 1, expected 0");
-  triangle = 10;
-  s.expectWrong(cells(at, all, none, corners), "cells of type 10 (tetrahedron) are not supported yet");
+  triangle = 25;
+  s.expectWrong(
+      cells(at, all, none, corners),
+      "gxy_cells, \"surface\": cells of type 25 (quadratic hexahedra) are not supported, expected lines");
   triangle = GXY_POLYGON;
   s.expectWrong(cells(at, all, none, corners), "offsets: there are none");
   triangle = GXY_TRIANGLE;
@@ -295,15 +297,16 @@ TEST(Interface, WrongCellsOfTheFirstStepAreToldAtOnce) {
     s.expectWrong(gxy_publish(s.sim, 1, 0), std::string("gxy_publish, cells \"surface\", cell ") + why);
     value = before;
   };
-  expect(types[1], 12, "1: cells of type 12 (hexahedron) are not supported yet");
+  expect(types[1], 12, "1: type 12, of cells with a volume, in a mesh of triangles");
+  expect(types[1], 24, "1: cells of type 24 (quadratic tetrahedra) are not supported, expected lines");
   expect(types[1], 261, "1: cells of type 255 are not supported");
   expect(types[1], GXY_LINE, "1: type 3, of lines, in a mesh of triangles");
   expect(types[1], GXY_QUAD, "1: 3 points, expected 4 for type 9");
   expect(ends[2], 2, "1: its offsets do not ascend");
   expect(ends[0], -1, "0: its offsets do not ascend");
   expect(ends[1], 4, "0: 4 points, expected 3");
-  expect(points[4], -1, "1: point number negative");
-  expect(points[4], 3, "1: point 3, expected one of the 3 points");
+  expect(points[4], -1, "1: its point 1 is negative");
+  expect(points[4], 3, "1: its point 1 is 3 in connectivity, expected one of the 3 points");
   expect(positions[8], double(INFINITY), "0: the coordinates of point 2 are not finite");
   tell();
   EXPECT_EQ(gxy_field(s.sim, "surface", 0, "height", GXY_OF_POINTS, at), GXY_TAKEN);
@@ -313,7 +316,7 @@ TEST(Interface, WrongCellsOfTheFirstStepAreToldAtOnce) {
   const int line = GXY_LINE;
   s.expectWrong(gxy_cells(s.sim, "surface", 3, at, 2, {&line, GXY_INT32, 1, {0, 0, 0}, 0, 0}, {},
                           {points, GXY_INT32, 1, {4, 0, 0}, 0, 0}),
-                "or lines and triangles, after the first step");
+                "or cells of another kind (lines, triangles or cells with a volume), after the first step");
   tell(0);
   EXPECT_EQ(gxy_field(s.sim, "surface", 0, "height", GXY_OF_POINTS, at), GXY_TAKEN);
   EXPECT_NE(gxy_publish(s.sim, 2, 0), GXY_WRONG) << s.message();
@@ -323,6 +326,37 @@ TEST(Interface, WrongCellsOfTheFirstStepAreToldAtOnce) {
                       {ends, GXY_INT32, 1, {4, 0, 0}, 0, 0}, {points, GXY_INT32, 1, {4, 0, 0}, 0, 0}),
             GXY_TAKEN);
   EXPECT_EQ(gxy_publish(off.sim, 1, 0), GXY_OFF) << "nothing is read";
+}
+
+TEST(Interface, CellsWithAVolumeHaveFieldsOfPoints) {
+  Sim s(kNowhere);
+  const double positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const int32_t points[4] = {0, 1, 2, 3};
+  const int type = GXY_TETRAHEDRON;
+  const gxy_array at = {positions, GXY_FLOAT64, 3, {24, 0, 0}, 0, 0},
+                  heat = {positions, GXY_FLOAT64, 1, {24, 0, 0}, 0, 0};
+  const auto tell = [&](int64_t count) {
+    EXPECT_EQ(gxy_cells(s.sim, "block", 4, at, count, {&type, GXY_INT32, 1, {0, 0, 0}, 0, 0}, {},
+                        {points, GXY_INT32, 1, {4, 0, 0}, 0, 0}),
+              GXY_TAKEN)
+        << s.message();
+  };
+  tell(1);
+  s.expectWrong(
+      gxy_publish(s.sim, 1, 0),
+      "cells \"block\": cells with a volume without a field, expected one or more fields of points");
+  EXPECT_EQ(gxy_field(s.sim, "block", 0, "region", GXY_OF_CELLS, heat), GXY_TAKEN);
+  s.expectWrong(
+      gxy_publish(s.sim, 1, 0),
+      "cells \"block\": field \"region\" is one of cells; cells with a volume cannot have these yet, "
+      "expected fields of points");
+  Sim other(kNowhere);
+  std::swap(s.sim, other.sim);
+  tell(0);
+  EXPECT_EQ(gxy_field(s.sim, "block", 0, "heat", GXY_OF_POINTS, heat), GXY_TAKEN);
+  EXPECT_NE(gxy_publish(s.sim, 1, 0), GXY_WRONG) << s.message();
+  tell(1);
+  s.expectWrong(gxy_field(s.sim, "block", 0, "region", GXY_OF_CELLS, heat), "a new field");
 }
 
 TEST(Interface, ASimulationWithoutAServerRunsOn) {

@@ -116,7 +116,7 @@ TEST(Records, RanksAgreeAboutMeshesAndWhatCellsBecome) {
   others[2].shape = Mesh::Shape::Lines;
   EXPECT_EQ(
       errorOf([&] { mergeMeshes(known, others, 3); }),
-      "cells \"surface\": rank 3 has lines, and a rank before has triangles, expected one of both in a mesh");
+      "cells \"surface\": rank 3 has lines, and a rank before has triangles, expected the same on all ranks");
   others = all;
   others[2].fields[2].ofCells = false;
   EXPECT_NE(errorOf([&] { mergeMeshes(known, others, 3); }).find("rank 3 has other meshes or fields"),
@@ -155,8 +155,8 @@ TEST(Records, WrongDescriptionsSayWhatWasExpected) {
                 "points \"atoms\": positions of type 4, expected float32 or float64");
   expectRefused([](Description& d) { d.meshes[2].positions = ScalarType::Int32; },
                 "cells \"surface\": positions of type 4, expected float32 or float64");
-  expectRefused([](Description& d) { d.meshes[2].shape = Mesh::Shape(3); },
-                "shape 3 of cells, expected 0 to 2");
+  expectRefused([](Description& d) { d.meshes[2].shape = Mesh::Shape(4); },
+                "shape 4 of cells, expected 0 to 3");
   expectRefused([](Description& d) { d.meshes[2].kind = Mesh::Kind(3); },
                 "kind 3 of a mesh, expected 0 to 2");
   expectRefused([](Description& d) { d.meshes[2].fields[2].name = "height"; }, "is there twice");

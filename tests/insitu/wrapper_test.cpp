@@ -99,6 +99,11 @@ TEST(Wrapper, CellsAreRowsOfNumbers) {
       << sim.message();
   EXPECT_EQ(sim.cellsField("height", gxy::row(positions.data())), GXY_TAKEN) << sim.message();
   EXPECT_EQ(sim.cellsField("region", gxy::row(offsets.data()), GXY_OF_CELLS), GXY_TAKEN) << sim.message();
+  const std::vector<long long> pyramid{0, 1, 2, 1, 0};
+  EXPECT_EQ(sim.cells(3, at, 1, gxy::allOf(GXY_PYRAMID), gxy::row(pyramid.data()), gxy_array(), "volume"),
+            GXY_TAKEN)
+      << sim.message();
+  EXPECT_EQ(sim.cellsField("heat", gxy::row(positions.data()), GXY_OF_POINTS, "volume"), GXY_TAKEN);
   EXPECT_EQ(sim.publish(1, 0), GXY_LOST) << sim.message();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <limits>
 
+#include "tests/meshes/cells.h"
 #include "tests/meshes/shapes.h"
 #include "tests/random/random_data.h"
 
@@ -22,7 +23,15 @@ MeshPiece thinned(Choices& choose, MeshPiece piece) {
 
 MeshPiece randomShape(Choices& choose, const Field& field) {
   if (choose.oneIn(12)) return oneCell();
-  MeshPiece piece = cubeMesh(uint32_t(choose.from(1, 5)), choose.oneIn(3) ? 0 : 0.17, field, choose.seed());
+  const auto n = uint32_t(choose.from(1, 5));
+  const double far = choose.oneIn(3) ? 0 : 0.17;
+  MeshPiece piece;
+  if (choose.oneIn(2)) {
+    piece = cubeMesh(n, far, field, choose.seed());
+  } else {
+    const Cells cells = kOtherCells[size_t(choose.below(int(kOtherCells.size())))];
+    piece = cubeOfCells(cells, cells == Cells::All ? n + 1 : n, far, field, choose.seed());
+  }
   if (choose.oneIn(3)) piece = thinned(choose, std::move(piece));
   if (choose.oneIn(4)) piece = invertedHere(std::move(piece), choose.seed());
   return piece;

@@ -232,14 +232,16 @@ TEST(CellReference, CellsThatSeveralBlocksHaveCountOnce) {
     for (int part = 0; part < 3; part++) {
       // each has two thirds of the cells, with the points numbered the other way round
       MeshBlock& block = cut->blocks[part];
-      block.points.assign(whole.points.rbegin(), whole.points.rend());
+      block.points = std::vector<glm::dvec3>(whole.points.rbegin(), whole.points.rend());
       block.values.assign(whole.values.rbegin(), whole.values.rend());
       for (const CellType type : kAllCellTypes) {
         const auto& cells = whole.cells.points[size_t(type)];
         const size_t n = shapeOf(type).points;
+        std::vector<uint32_t> some;
         for (size_t i = 0; i < cells.size(); i += n)
           if (i / n % 3 != size_t(part))
-            for (size_t k = 0; k < n; k++) block.cells.points[size_t(type)].push_back(last - cells[i + k]);
+            for (size_t k = 0; k < n; k++) some.push_back(last - cells[i + k]);
+        block.cells.points[size_t(type)] = std::move(some);
       }
     }
     const MeshField one(*meshOf(whole), std::nullopt), several(*cut, std::nullopt);

@@ -23,7 +23,8 @@ inline std::shared_ptr<Mesh> meshOf(const MeshPiece& piece) {
   for (const glm::dvec3& p : piece.points) mesh->box.extend(p);
   for (const CellType type : kAllCellTypes) mesh->report.cells[size_t(type)] = piece.cells.size(type);
   MeshBlock& block = mesh->blocks[0];
-  block.points = piece.points, block.values = piece.values, block.cells = piece.cells;
+  block.points = piece.points, block.values = piece.values;
+  block.cells.points = shared(piece.cells.points);
   return mesh;
 }
 

@@ -274,13 +274,15 @@ TEST(MeshIsosurface, OfACellThatSeveralBlocksHaveIsMetOnce) {
   for (int part = 0; part < 3; part++) {
     // each has two thirds of the cells, numbered the other way round
     MeshBlock& block = cut->blocks[part];
-    block.points.assign(whole.points.rbegin(), whole.points.rend());
+    block.points = std::vector<glm::dvec3>(whole.points.rbegin(), whole.points.rend());
     block.values.assign(whole.values.rbegin(), whole.values.rend());
     const auto& cells = whole.cells.points[kTets];
+    std::vector<uint32_t> some;
     for (size_t i = 0; i < cells.size(); i += 4)
       if (i / 4 % 3 != size_t(part))
         for (size_t k = 0; k < 4; k++)
-          block.cells.points[kTets].push_back(uint32_t(whole.points.size()) - 1 - cells[i + (k + part) % 4]);
+          some.push_back(uint32_t(whole.points.size()) - 1 - cells[i + (k + part) % 4]);
+    block.cells.points[kTets] = std::move(some);
   }
   const MeshField field(*cut, std::nullopt);
   Uniform random(8);

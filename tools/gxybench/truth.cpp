@@ -38,6 +38,11 @@ class Hash {
     step(v.size());
     add(v.data(), v.size() * sizeof(T));
   }
+  template <class T>
+  void add(const SharedVector<T>& v) {
+    step(v.size());
+    add(v.data(), v.size() * sizeof(T));
+  }
   void add(const std::string& s) {
     step(s.size());
     add(s.data(), s.size());

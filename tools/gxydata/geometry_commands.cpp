@@ -8,11 +8,11 @@
 #include <limits>
 
 #include "core/comm/error.h"
+#include "core/data/mesh_kinds.h"
 #include "core/data/partitioning.h"
 #include "core/io/file.h"
 #include "core/io/geometry_file.h"
 #include "core/io/import_geometry.h"
-#include "core/io/mesh_kinds.h"
 #include "core/io/write_geometry.h"
 #include "core/look/file_facts.h"
 #include "tools/gxydata/commands.h"

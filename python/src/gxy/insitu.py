@@ -30,8 +30,8 @@ __all__ = ["Result", "Simulation", "Statistics"]
 _SONAME = "libgalaxy_insitu.so.1"
 _WRONG = -1
 _OF = {"points": 0, "cells": 1}
-_OF_POINTS = {2: 3, 3: 5, 4: 9}  # the type of cells in VTK: lines, triangles and quads, by their number of points
-_POINTS_OF = {3: 2, 5: 3, 8: 4, 9: 4}  # the other way round, with pixels
+_OF_POINTS = {2: 3, 3: 5, 4: 9}  # the type of cells in VTK, where none is told: lines, triangles and quads, by their number of points
+_POINTS_OF = {3: 2, 5: 3, 8: 4, 9: 4, 10: 4, 11: 8, 12: 8, 13: 6, 14: 5}  # the points of cells of a type
 _MOST_COMPONENTS = 16
 _Indices, _Coordinates = ctypes.c_int64 * 3, ctypes.c_double * 3
 
@@ -327,19 +327,20 @@ class Simulation:
         self._fields[mesh] = set(fields)
 
     def cells(self, mesh, positions, connectivity, types=None, offsets=None, cell_fields=None, **fields):
-        """Says which lines or triangles this rank has now. Called before each publish() that has other ones, or has them elsewhere in memory.
+        """Says which lines, triangles or cells with a volume this rank has now. Called before each publish() that has other ones, or has them elsewhere in memory.
 
         mesh: the name of the cells. Each field F becomes the dataset NAME.F; cells without fields become NAME.MESH.
         positions: an array of shape (n, 3), of float32 or float64; n may be 0, and differs from rank to rank and from step to step.
         connectivity: integers of 32 or 64 bits, the points of each cell by their number on this rank. Of shape (cells, 2) for lines, (cells, 3)
-            for triangles, (cells, 4) for quads; without gaps, since it is never copied. Or of shape (m,), with the cells one after
-            the other.
-        types: VTK's number for all cells, or an array with one for each: lines (3, 4), or triangles, strips, polygons, pixels and quads (5 to 9).
-            It may be left out for a connectivity of two axes.
+            for triangles, (cells, 4) for quads, and for other cells with as many columns as they have points; without gaps, since it is never
+            copied. Or of shape (m,), with the cells one after the other.
+        types: VTK's number for all cells, or an array with one for each: lines (3, 4); triangles, strips, polygons, pixels and quads (5 to 9); or
+            tetrahedra, voxels, hexahedra, wedges and pyramids (10 to 14), which become an unstructured volume.
+            It may be left out for lines, triangles and quads in a connectivity of two axes.
         offsets: for a connectivity of one axis: cells + 1 integers of 32 or 64 bits, as in VTK: cell c has entries offsets[c] up to and
             without offsets[c + 1]. It may be left out if all cells are of one type with a fixed number of points.
         fields: of points, arrays of shape (n,), or (n, components), as height=height. `Normals`, of shape (n, 3), are the normals of the mesh.
-        cell_fields: of cells, a dict of arrays with a row for each cell. The same names in all steps and on all ranks.
+        cell_fields: of cells of lines and triangles, a dict of arrays with a row for each cell. The same names in all steps and on all ranks.
 
         The arrays are read in publish() only and never copied here; they are kept alive until they are replaced.
         """
@@ -474,12 +475,13 @@ class Simulation:
             raise ValueError(f"{what}, connectivity: expected a NumPy array with one or two axes")
         if connectivity.ndim == 2:
             each = connectivity.shape[1]
-            if offsets is not None or each not in _OF_POINTS or np.ndim(types) != 0:
-                raise ValueError(f"{what}, connectivity: shape {connectivity.shape}, expected 2, 3 or 4 points of each cell, one type "
-                                 "and no offsets")
+            of = _OF_POINTS.get(each) if types is None else _index(types, "types") if np.ndim(types) == 0 else None
+            if offsets is not None or of is None or _POINTS_OF.get(of, each) != each:
+                raise ValueError(f"{what}, connectivity: shape {connectivity.shape}, expected the points of each cell (2 of lines, 3 of triangles, "
+                                 "4 of quads, or as many as the one type that all cells are of), and no offsets")
             if not connectivity.flags.c_contiguous:
                 raise ValueError(f"{what}, connectivity: there are gaps, expected an array that is contiguous")
-            return len(connectivity), _OF_POINTS[each] if types is None else _index(types, "types"), connectivity.reshape(-1)
+            return len(connectivity), of, connectivity.reshape(-1)
         if types is None:
             raise ValueError(f"{what}: there are no types, expected them, or a connectivity with a row for each cell")
         if np.ndim(types) == 0:

@@ -112,9 +112,13 @@ int gxy_cells(gxy_sim* sim, const char* mesh, int64_t points, gxy_array position
   if (isWrong(sim,
               REAL(gxy_cells)(sim->checks, mesh, points, positions, cells, types, offsets, connectivity)))
     return GXY_WRONG;
-  const int type = int(valueAt(static_cast<const std::byte*>(types.data), types.type));
-  sim->points[mesh] = {positions, {}, {}, {}, {}, connectivity, cells, type == GXY_LINE ? 2 : type - 2, {}};
-  if (type == GXY_QUAD) sim->points[mesh].pointsOfEach = 4;
+  const std::map<int, int> pointsOf{{GXY_LINE, 2},        {GXY_TRIANGLE, 3},   {GXY_QUAD, 4},
+                                    {GXY_TETRAHEDRON, 4}, {GXY_HEXAHEDRON, 8}, {GXY_WEDGE, 6},
+                                    {GXY_PYRAMID, 5}};
+  gxy_sim::Points& of = sim->points[mesh] = {positions, {}, {}};
+  of.connectivity = connectivity, of.types = types, of.offsets = offsets, of.cells = cells;
+  if (offsets.components == 0)
+    of.pointsOfEach = pointsOf.at(int(valueAt(static_cast<const std::byte*>(types.data), types.type)));
   sim->grids[{mesh, 0}] = {GXY_OF_POINTS, {}, {}, {points, 1, 1}, {}, {}};
   return GXY_TAKEN;
 }
@@ -143,7 +147,11 @@ int gxy_publish(gxy_sim* sim, int64_t step, double time) {
   for (auto& [mesh, points] : sim->points) {
     const auto& count = sim->grids.at({mesh, 0}).count;
     points.at = valuesOf(points.positions, count);
-    points.corners = valuesOf(points.connectivity, {points.cells * points.pointsOfEach, 1, 1});
+    const bool hasOffsets = points.offsets.components != 0 && points.cells > 0;
+    points.begins = valuesOf(points.offsets, {hasOffsets ? points.cells + 1 : 0, 1, 1});
+    points.kinds = valuesOf(points.types, {points.cells, 1, 1});
+    const int64_t corners = hasOffsets ? int64_t(points.begins.back()) : points.cells * points.pointsOfEach;
+    points.corners = valuesOf(points.connectivity, {corners, 1, 1});
     points.numbers = points.ids.components ? valuesOf(points.ids, count) : std::vector<double>();
   }
   sim->steps.emplace_back(step, time);

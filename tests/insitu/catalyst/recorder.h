@@ -22,9 +22,9 @@ struct gxy_sim {
   struct Points {
     gxy_array positions, ids;
     std::vector<double> box, at{}, numbers{};  ///< the last two are what gxy_publish() has read
-    gxy_array connectivity{};
-    int64_t cells = 0, pointsOfEach = 0;  ///< of cells
-    std::vector<double> corners{};        ///< what gxy_publish() has read
+    gxy_array connectivity{}, types{}, offsets{};
+    int64_t cells = 0, pointsOfEach = 0;               ///< of cells; 0 where there are offsets
+    std::vector<double> corners{}, kinds{}, begins{};  ///< what gxy_publish() has read
   };
   gxy_sim* checks = nullptr;  ///< a real one, connected to nothing, which says what is wrong
   std::string name, options, message;

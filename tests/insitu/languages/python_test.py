@@ -267,6 +267,16 @@ class Particles(unittest.TestCase):
         self.wrong("expected .'speed'. as before", structures["x"], structures["id"])
         self.wrong("other ids or another box", structures["x"], speed=structures["speed"])
 
+    def test_cells_with_a_volume_have_fields_of_points(self):
+        corners, types, ends = np.array([0, 1, 2, 3, 0, 1, 2, 3, 4]), np.array([10, 14], "u1"), np.array([0, 4, 9])
+        self.sim.cells("surface", self.positions, corners, types, ends)
+        with self.assertRaisesRegex(ValueError, 'cells "surface": cells with a volume without a field, expected one or more'):
+            self.sim.publish(1, 0)
+        self.sim.cells("surface", self.positions, np.array([[0, 1, 2, 3, 4]], "i4"), 14, height=np.zeros(5))
+        self.assertEqual(self.sim.publish(1, 0), Result.LOST)
+        self.sim.cells("surface", self.positions, corners, types, ends, height=np.zeros(5))
+        self.assertEqual(self.sim.publish(2, 0), Result.LOST)
+
     def test_their_arrays_live_as_long_as_they_are_read(self):
         positions, speed = np.zeros((5, 3)), np.zeros(5)
         alive = weakref.ref(positions), weakref.ref(speed)
@@ -295,7 +305,8 @@ class Cells(unittest.TestCase):
         self.wrong("positions: 2 components, expected 3", np.zeros((5, 2)), self.triangles)
         self.wrong("cells 'surface', positions: found list", [[0, 0, 0]], self.triangles)
         self.wrong("connectivity: expected a NumPy array with one or two axes", self.positions, [[0, 1, 2]])
-        self.wrong(r"connectivity: shape \(2, 5\), expected 2, 3 or 4", self.positions, np.zeros((2, 5), int))
+        self.wrong(r"connectivity: shape \(2, 5\), expected the points of each cell", self.positions, np.zeros((2, 5), int))
+        self.wrong(r"connectivity: shape \(2, 5\), expected the points", self.positions, np.zeros((2, 5), int), 10)
         self.wrong("connectivity: there are gaps", self.positions, np.zeros((2, 6), int)[:, ::2])
         self.wrong("connectivity: type 9 .* expected one integer", self.positions, np.zeros((2, 3)))
         self.wrong("there are no types", self.positions, flat)
@@ -307,7 +318,7 @@ class Cells(unittest.TestCase):
         self.wrong("offsets: type 9", self.positions, flat, 5, ends.astype(float))
         self.wrong("offsets: the last is 7, expected at most 6", self.positions, flat, 5, np.array([0, 3, 7]))
         self.wrong(r"types: shape \(3,\), expected \(2,\)", self.positions, flat, np.array([5, 5, 5]), ends)
-        self.wrong("type 10 .tetrahedron. are not supported yet", self.positions, flat, 10, ends)
+        self.wrong("type 24 .quadratic tetrahedra. are not supported", self.positions, flat, 24, ends)
         self.wrong("height: shape", self.positions, self.triangles, height=np.zeros(4))
         self.wrong("region: shape", self.positions, self.triangles, cell_fields={"region": np.zeros(3)})
         self.sim.cells("surface", self.positions, flat, np.array([5, 3]), ends)
@@ -323,7 +334,7 @@ class Cells(unittest.TestCase):
             self.assertEqual(self.sim.publish(step, 0), Result.LOST)
         tell(2, types=np.int8(5))
         self.wrong("fields ., expected .'height', 'region'. as before|fields \\[\\], expected", self.positions, self.triangles)
-        self.wrong("lines and triangles, after the first step", self.positions, self.triangles[:, :2].copy(), height=np.zeros(5),
+        self.wrong("cells of another kind .* after the first step", self.positions, self.triangles[:, :2].copy(), height=np.zeros(5),
                    cell_fields={"region": np.arange(2)})
 
     def test_lines_and_polygons_have_offsets(self):
@@ -331,6 +342,16 @@ class Cells(unittest.TestCase):
         self.sim.cells("pairs", self.positions, np.array([[0, 1]], "i4"))
         self.sim.cells("mixed", self.positions, np.array([0, 1, 2, 3, 0, 1, 2]), np.array([9, 7], "u1"), np.array([0, 4, 7]))
         self.assertEqual(self.sim.publish(1, 0), Result.LOST)
+
+    def test_cells_with_a_volume_have_fields_of_points(self):
+        corners, types, ends = np.array([0, 1, 2, 3, 0, 1, 2, 3, 4]), np.array([10, 14], "u1"), np.array([0, 4, 9])
+        self.sim.cells("surface", self.positions, corners, types, ends)
+        with self.assertRaisesRegex(ValueError, 'cells "surface": cells with a volume without a field, expected one or more'):
+            self.sim.publish(1, 0)
+        self.sim.cells("surface", self.positions, np.array([[0, 1, 2, 3, 4]], "i4"), 14, height=np.zeros(5))
+        self.assertEqual(self.sim.publish(1, 0), Result.LOST)
+        self.sim.cells("surface", self.positions, corners, types, ends, height=np.zeros(5))
+        self.assertEqual(self.sim.publish(2, 0), Result.LOST)
 
     def test_their_arrays_live_as_long_as_they_are_read(self):
         triangles, region = np.zeros((2, 3), int), np.zeros(2)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kinds of cells in VTK's files, by their numbers there, as meshes take them.
+// Kinds of cells by their numbers in VTK, as meshes take them from files and from simulations.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -19,11 +19,14 @@ inline constexpr const char* kMeshCellKinds = "tetrahedra, pyramids, wedges, hex
 /// Which cell of a mesh one of a kind becomes; nothing if it becomes none.
 std::optional<CellType> meshCellOf(int vtkType);
 
-/// The place among the points of a cell in a file that point `i` of the cell of a mesh has there: voxels run through x, y and z.
+/// The place among the points of a cell of VTK's that point `i` of the cell of a mesh has there: voxels run through x, y and z.
 size_t placeInFile(int vtkType, size_t i);
 
 /// The dimension of cells of a kind, from 0 to 3; nothing for kinds that VTK does not know.
 std::optional<int> dimensionOf(int vtkType);
+
+/// What cells of a kind are called, for users: "quadratic tetrahedra". Null for kinds that VTK does not know.
+const char* pluralOfKind(int vtkType);
 
 /// Returns a text such as "triangles (12), wedges (1)".
 std::string describe(const CellKinds& kinds);
