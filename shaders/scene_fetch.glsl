@@ -81,6 +81,7 @@ uint neighbourOf(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); 
 vec4 vertexOf(OPERATOR op, uint i) { return uintBitsToFloat(geometryQuad(op.points + 4u * i)); }
 uint cellCorner(OPERATOR op, uint i) { return geometryWord(op.indices + i); }
 uint cellNeighbour(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); }
+real cellValue(OPERATOR op, uint i) { return geometryReal(op.values + i); }
 uint hexPoint(OPERATOR op, uint i) { return geometryWord(op.indices + i); }
 uint hexNeighbour(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); }
 uint hexOrders(OPERATOR op, uint i) { return geometryWord(op.orders + i); }

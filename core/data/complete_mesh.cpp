@@ -13,12 +13,14 @@ namespace gxy {
 
 namespace {
 
-// Ranges of components and of the magnitude, of what this rank has.
-std::vector<Range> rangesOf(const std::vector<double>& values, size_t components, const Advance& advance) {
+// Ranges of components and of the magnitude, of what this rank has. `leftOut`: 1 for those that do not count; empty if all do.
+std::vector<Range> rangesOf(const std::vector<double>& values, size_t components,
+                            std::span<const uint8_t> leftOut, const Advance& advance) {
   std::vector<Range> ranges(components > 1 ? components + 1 : 1);
   const size_t points = values.size() / components;
   for (size_t p = 0; p < points; p++) {
     tell(advance, p, points);
+    if (!leftOut.empty() && leftOut[p]) continue;
     double sum = 0;
     for (size_t c = 0; c < components; c++) {
       const double value = values[p * components + c];
@@ -30,8 +32,9 @@ std::vector<Range> rangesOf(const std::vector<double>& values, size_t components
   return ranges;
 }
 
-Mesh meshWith(EncodedValues values, const MeshBlockCounts& counts, const Box& box) {
+Mesh meshWith(EncodedValues values, const MeshBlockCounts& counts, const Box& box, bool ofCells) {
   Mesh mesh;
+  mesh.ofCells = ofCells;
   mesh.components = values.components;
   mesh.shift = values.shift;
   mesh.scale = values.scale;
@@ -46,18 +49,21 @@ Mesh meshWith(EncodedValues values, const MeshBlockCounts& counts, const Box& bo
   report.differingPoints = counts.differingPoints;
   report.crowdedFaces = counts.crowdedFaces;
   report.foldedFaces = counts.foldedFaces;
+  report.invertedCells = counts.invertedCells;
+  report.hangingPoints = counts.hangingPoints;
+  report.splitFaces = counts.splitFaces;
   report.noDataPoints = counts.noDataPoints;
+  report.noDataCells = counts.noDataCells;
+  report.differingCells = counts.differingCells;
   return mesh;
 }
 
-}  // namespace
-
-EncodedValues encodedValues(ScalarType type, int components, std::vector<double> values, Collectives& ranks,
-                            const ToTake& toTake) {
+EncodedValues encodedCounting(ScalarType type, int components, const std::vector<double>& values,
+                              std::span<const uint8_t> leftOut, Collectives& ranks, const ToTake& toTake) {
   EncodedValues encoded;
   encoded.components = components;
   const Advance advance = [&](double) { ranks.check(); };
-  agree(ranks, [&] { encoded.ranges = rangesOf(values, size_t(components), advance); });
+  agree(ranks, [&] { encoded.ranges = rangesOf(values, size_t(components), leftOut, advance); });
   mergeRanges(ranks, encoded.ranges);
   agree(ranks, [&] {
     Range ofAll;
@@ -74,14 +80,46 @@ EncodedValues encodedValues(ScalarType type, int components, std::vector<double>
   return encoded;
 }
 
+// The points of cells that are no duplicates.
+Box boxOf(const MeshPiece& piece) {
+  Box box;
+  for (const CellType type : kAllCellTypes) {
+    const std::vector<uint8_t>& duplicates = piece.duplicates[size_t(type)];
+    const size_t n = shapeOf(type).points;
+    for (size_t cell = 0; cell < duplicates.size(); cell++)
+      for (size_t i = 0; i < n && !duplicates[cell]; i++)
+        box.extend(piece.points[piece.cells.points[size_t(type)][cell * n + i]]);
+  }
+  return box;
+}
+
+}  // namespace
+
+EncodedValues encodedValues(ScalarType type, int components, std::vector<double> values, Collectives& ranks,
+                            const ToTake& toTake) {
+  return encodedCounting(type, components, values, {}, ranks, toTake);
+}
+
 EncodedMesh encodedMesh(MeshPiece piece, ScalarType type, std::vector<double> values, Collectives& ranks,
                         const ToTake& toTake) {
   EncodedMesh mesh;
-  for (const glm::dvec3& p : piece.points) mesh.box.extend(p);
+  if (piece.ofCells)
+    mesh.box = boxOf(piece);
+  else
+    for (const glm::dvec3& p : piece.points) mesh.box.extend(p);
   mergeBox(ranks, mesh.box);
-  EncodedValues encoded = encodedValues(type, piece.components, std::move(values), ranks, toTake);
+  std::vector<uint8_t> duplicates;
+  for (const auto& ofType : piece.duplicates)
+    duplicates.insert(duplicates.end(), ofType.begin(), ofType.end());
+  EncodedValues encoded = encodedCounting(type, piece.components, values, duplicates, ranks, toTake);
   mesh.piece = std::move(piece);
-  mesh.piece.values = std::move(encoded.stored);
+  auto from = encoded.stored.begin();
+  for (size_t kind = 0; kind < kCellTypes && mesh.piece.ofCells; kind++) {
+    const auto count = std::ptrdiff_t(mesh.piece.duplicates[kind].size() * size_t(mesh.piece.components));
+    mesh.piece.cellValues[kind].assign(from, from + count);
+    from += count;
+  }
+  if (!mesh.piece.ofCells) mesh.piece.values = std::move(encoded.stored);
   mesh.shift = encoded.shift;
   mesh.scale = encoded.scale;
   mesh.ranges = std::move(encoded.ranges);
@@ -98,9 +136,10 @@ Mesh completeMesh(EncodedMesh read, const Partitioning& partitioning, Collective
                   const ToTake& toTake, MeshLayout* layout) {
   EncodedValues values{{}, read.piece.components, read.shift, read.scale, std::move(read.ranges)};
   MeshBlockCounts counts;
+  const bool ofCells = read.piece.ofCells;
   std::map<int, MeshBlock> blocks = distribute(std::move(read.piece), partitioning, counts, ranks, toTake,
                                                layout ? &layout->routes : nullptr);
-  Mesh mesh = meshWith(std::move(values), counts, read.box);
+  Mesh mesh = meshWith(std::move(values), counts, read.box, ofCells);
   mesh.blocks = std::move(blocks);
   if (!layout) return mesh;
   for (const auto& [partition, block] : mesh.blocks)
@@ -115,7 +154,7 @@ Mesh completeMesh(EncodedValues values, const MeshLayout& layout, const Partitio
   MeshBlockCounts counts = layout.counts;
   std::map<int, MeshBlock> blocks = distributeValues(layout.blocks, layout.routes, values.stored,
                                                      values.components, partitioning, counts, ranks, toTake);
-  Mesh mesh = meshWith(std::move(values), counts, layout.box);
+  Mesh mesh = meshWith(std::move(values), counts, layout.box, false);
   mesh.blocks = std::move(blocks);
   return mesh;
 }

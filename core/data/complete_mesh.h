@@ -39,7 +39,8 @@ struct EncodedMesh {
   Box box;                      ///< as in Mesh, on all ranks
 };
 
-/// Collective. As encodedValues(), for a piece that lacks its values.
+/// Collective. As encodedValues(), for a piece that lacks its values. If its data are those of cells, `values` are those of all of its cells,
+/// by type; those of duplicates count for no range.
 EncodedMesh encodedMesh(MeshPiece piece, ScalarType type, std::vector<double> values, Collectives& ranks,
                         const ToTake& toTake = {});
 
@@ -54,7 +55,8 @@ struct MeshLayout {
 int64_t bytesOf(const MeshLayout& layout);
 
 /// Collective. The cells go into every partition that they touch. Fills all but the mesh's name, and of its report what distribute()
-/// counts. There may be no cells. `layout`, if not null, becomes that of further meshes on the same points and cells. `toTake`: as in
+/// counts. There may be no cells. `layout`, if not null, becomes that of further meshes on the same points and cells, whose values are
+/// at points. `toTake`: as in
 /// distribute(). If any rank fails, all throw the same Error.
 Mesh completeMesh(EncodedMesh read, const Partitioning& partitioning, Collectives& ranks,
                   const ToTake& toTake = {}, MeshLayout* layout = nullptr);

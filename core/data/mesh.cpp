@@ -85,7 +85,8 @@ double typicalLength(const Mesh& mesh) {
 
 int64_t bytesOfValues(const Mesh& mesh) {
   size_t bytes = 0;
-  for (const auto& [partition, block] : mesh.blocks) bytes += block.values.size() * sizeof(float);
+  for (const auto& [partition, block] : mesh.blocks)
+    bytes += (block.values.size() + block.cellValues.size()) * sizeof(float);
   return int64_t(bytes);
 }
 

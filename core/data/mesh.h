@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Unstructured volumes: values at the points of a mesh of cells, stored per local partition.
+// Unstructured volumes: values at the points of a mesh of cells, or of its cells, stored per local partition.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -83,6 +83,9 @@ struct MeshBlock {
   /// By type: for each face of each cell the face of the neighbour in this block, or kNoFace.
   std::array<SharedVector<FaceId>, kCellTypes> neighbours;
   SharedVector<FaceId> shell;  ///< the faces without a neighbour in this block that have an area, ascending
+  /// If the data are those of cells (Mesh::ofCells): stored values by cell, the components of a cell together. `values` are then averages of
+  /// them (averagesAtPoints() in point_averages.h). Else empty.
+  std::vector<float> cellValues{};
 };
 
 /// What an import has found in a mesh. All counts are of the whole mesh.
@@ -100,8 +103,16 @@ struct MeshReport {
   uint64_t crowdedFaces = 0;  ///< faces of three or more cells; rays go from none of these to another
   /// Faces both of whose cells are on the same side, so that these overlap, or one of whose cells has no volume.
   uint64_t foldedFaces = 0;
+  uint64_t invertedCells =
+      0;  ///< cells whose faces run clockwise, seen from outside; pictures do not depend on it
+  /// Points that lie in a face of cells which do not have them, within 1e-6 of its longest edge. Values may differ on both sides there.
+  uint64_t hangingPoints = 0;
+  uint64_t splitFaces = 0;  ///< triangles that are halves of a face of four points of other cells
   uint64_t noDataPoints =
       0;  ///< points with a NaN or infinite value; cells that have such a point are transparent
+  uint64_t noDataCells = 0;  ///< of data of cells: those with a NaN or infinite value, which are transparent
+  uint64_t differingCells =
+      0;  ///< of data of cells: of repeated cells, those whose values differ; the lowest value is used
   bool operator==(const MeshReport&) const = default;
 };
 
@@ -109,8 +120,9 @@ struct MeshReport {
 struct Mesh {
   std::string name;
   int components = 1;
+  bool ofCells = false;  ///< whether the data are those of cells
   double shift = 0, scale = 1;
-  /// Ranges of values (not stored values) over all points: one for each component, then one for the magnitude if there are several.
+  /// Ranges of values (not stored values) over all points, or all cells: one for each component, then one for the magnitude if there are several.
   std::vector<Range> ranges;
   Box box;  ///< of all points that cells in the files have, world
   MeshReport report;

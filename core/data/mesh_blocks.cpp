@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <string>
 #include <utility>
 
@@ -11,8 +10,10 @@
 #include "core/comm/parallel_for.h"
 #include "core/data/collapsed.h"
 #include "core/data/connect.h"
+#include "core/data/mesh_defects.h"
 #include "core/data/mesh_values.h"
 #include "core/data/morton.h"
+#include "core/data/point_averages.h"
 
 namespace gxy {
 
@@ -29,16 +30,45 @@ void checkSizes(const MeshPiece& piece) {
   if (piece.cells.size() >= kMostMeshCells)
     throw Error("a mesh of " + std::to_string(piece.cells.size()) +
                 " cells, expected fewer than 2^29 on one rank and in one partition; use more of them");
-  if (piece.components < 1 || piece.values.size() != piece.points.size() * size_t(piece.components) ||
-      piece.numbers.size() != piece.points.size())
+  const auto components = size_t(piece.components);
+  for (const CellType type : kAllCellTypes) {
+    const size_t count = piece.ofCells ? piece.cells.size(type) : 0;
+    if (piece.cellValues[size_t(type)].size() != count * components ||
+        piece.duplicates[size_t(type)].size() != count)
+      throw Error("a mesh of " + std::to_string(count) + " " + pluralOf(type) + " has " +
+                  std::to_string(piece.cellValues[size_t(type)].size()) + " values of " +
+                  std::to_string(piece.components) + " components and " +
+                  std::to_string(piece.duplicates[size_t(type)].size()) +
+                  " marks of duplicates, expected those of each cell");
+  }
+  const size_t ofPoints = piece.ofCells ? 0 : piece.points.size() * components;
+  if (piece.components < 1 || piece.values.size() != ofPoints || piece.numbers.size() != piece.points.size())
     throw Error("a mesh of " + std::to_string(piece.points.size()) + " points has " +
                 std::to_string(piece.values.size()) + " values of " + std::to_string(piece.components) +
-                " components and " + std::to_string(piece.numbers.size()) +
-                " numbers, expected those of each point");
+                " components and " + std::to_string(piece.numbers.size()) + " numbers, expected " +
+                (piece.ofCells ? "the numbers" : "those") + " of each point");
+}
+
+bool lacksData(const float* values, int components) {
+  return std::any_of(values, values + components, [](float v) { return !std::isfinite(v); });
+}
+
+/// Whether values come before others: NaN is behind all numbers.
+bool isLower(const float* a, const float* b, int components) {
+  for (int c = 0; c < components; c++)
+    if (a[c] != b[c] && !(std::isnan(a[c]) && std::isnan(b[c]))) return std::isnan(b[c]) || a[c] < b[c];
+  return false;
 }
 
 template <size_t N>
 using CellPoints = std::array<uint32_t, N>;
+
+/// A cell and which one of the piece it is, among those of its type.
+template <size_t N>
+struct ReadCell {
+  CellPoints<N> points;
+  uint32_t from;
+};
 
 template <size_t N>
 CellPoints<N> ascending(CellPoints<N> cell) {
@@ -60,21 +90,28 @@ class BlockMaker {
     orderCells<5>(CellType::Pyramid, partOf(ordering, 1, kCellTypes));
     orderCells<6>(CellType::Wedge, partOf(ordering, 2, kCellTypes));
     orderCells<8>(CellType::Hexahedron, partOf(ordering, 3, kCellTypes));
+    if (piece_.ofCells) averageCells(partOf(advance, 2, 4));
     if (dropped_) dropUnusedPoints();
     for (const uint8_t isHere : sources_.isHere) counts_.points += isHere;
     for (const PointSources::Source& source : sources_.sources) counts_.mergedPoints += source.merged;
     MeshBlock block;
-    block.values = valuesOfBlock(sources_, piece_.values, piece_.components, partition_, counts_);
+    if (piece_.ofCells)
+      giveCellValues(block);
+    else
+      block.values = valuesOfBlock(sources_, piece_.values, piece_.components, partition_, counts_);
     piece_.values = {};
-    advance(0.5);
+    advance(piece_.ofCells ? 0.75 : 0.5);
     Connectivity found = connect(cells_, points_.size());
     for (const uint32_t point : found.crowdedAt) counts_.crowdedFaces += sources_.isHere[point];
-    countFoldedFaces(found);
-    if (sources) *sources = std::move(sources_);
     block.points = std::move(points_);
     block.cells.points = shared(std::move(cells_.points));
     block.neighbours = shared(std::move(found.neighbours));
     block.shell = std::move(found.shell);
+    const MeshDefects defects = defectsOf(block, sources_.isHere);
+    counts_.foldedFaces += defects.foldedFaces;
+    counts_.hangingPoints += defects.hangingPoints;
+    counts_.splitFaces += defects.splitFaces;
+    if (sources) *sources = std::move(sources_);
     advance(1);
     return block;
   }
@@ -93,61 +130,32 @@ class BlockMaker {
           const auto one = std::find(places.begin(), places.end(), cell->points[i]);
           to.push_back(hexahedra[at + size_t(one - places.begin())]);
         }
+        if (piece_.ofCells) becomes(at / 8, cell->type);
         continue;
       }
       std::copy_n(hexahedra.begin() + std::ptrdiff_t(at), 8, hexahedra.begin() + std::ptrdiff_t(kept));
+      if (piece_.ofCells) movesTo(at / 8, kept / 8);
       kept += 8;
     }
     hexahedra.resize(kept);
+    if (!piece_.ofCells) return;
+    piece_.cellValues[kHexes].resize(kept / 8 * size_t(piece_.components));
+    piece_.duplicates[kHexes].resize(kept / 8);
   }
 
-  /// A face as a plane: that of a triangle, or the one through the middle of a quad along both of its diagonals.
-  struct Plane {
-    glm::dvec3 point, normal;
-    int sideOf(const glm::dvec3& p) const {
-      const double distance = glm::dot(normal, p - point);
-      return int(distance > 0) - int(distance < 0);
-    }
-  };
-
-  Plane planeOf(const CellFace& face, std::span<const uint32_t> cell) const {
-    std::array<glm::dvec3, 4> p{};
-    for (size_t k = 0; k < face.corners; k++) p[k] = points_[cell[face.corner[k]]];
-    if (face.corners == 3) return {p[0], glm::cross(p[1] - p[0], p[2] - p[0])};
-    return {(p[0] + p[1] + p[2] + p[3]) * 0.25, glm::cross(p[2] - p[0], p[3] - p[1])};
+  /// The value of a hexahedron becomes that of the last cell of a type.
+  void becomes(size_t hexahedron, CellType type) {
+    const float* values = piece_.cellValues[kHexes].data() + hexahedron * size_t(piece_.components);
+    std::vector<float>& to = piece_.cellValues[size_t(type)];
+    to.insert(to.end(), values, values + piece_.components);
+    piece_.duplicates[size_t(type)].push_back(piece_.duplicates[kHexes][hexahedron]);
   }
 
-  /// The middle of a cell's points that do not belong to a face. It is on the same side of the face as the middle of the cell.
-  glm::dvec3 middleBeside(FaceId id) const {
-    const auto cell = cells_.pointsOf(cellOf(id));
-    const CellFace& face = shapeOf(cells_.typeOf(cellOf(id))).face[size_t(faceOf(id))];
-    glm::dvec3 sum(0);
-    for (size_t i = 0; i < cell.size(); i++)
-      if (std::find(face.corner.begin(), face.corner.begin() + face.corners, i) ==
-          face.corner.begin() + face.corners)
-        sum += points_[cell[i]];
-    return sum / double(cell.size() - face.corners);
-  }
-
-  void countFoldedFaces(const Connectivity& found) {
-    for (const CellType type : kAllCellTypes) {
-      const CellShape& shape = shapeOf(type);
-      const uint32_t first = cells_.first(type);
-      const std::vector<FaceId>& neighbours = found.neighbours[size_t(type)];
-      const std::span<const uint32_t> cells = cells_.points[size_t(type)];
-      for (size_t i = 0; i < neighbours.size(); i++) {
-        const size_t cell = i / shape.faces, f = i % shape.faces;
-        const FaceId id = faceId(first + uint32_t(cell), int(f)), other = neighbours[i];
-        if (other == kNoFace || other < id) continue;
-        const auto points = cells.subspan(cell * shape.points, shape.points);
-        uint32_t lowest = points[shape.face[f].corner[0]];
-        for (size_t k = 1; k < shape.face[f].corners; k++)
-          lowest = std::min(lowest, points[shape.face[f].corner[k]]);
-        if (!sources_.isHere[lowest]) continue;
-        const Plane plane = planeOf(shape.face[f], points);
-        counts_.foldedFaces += plane.sideOf(middleBeside(id)) * plane.sideOf(middleBeside(other)) >= 0;
-      }
-    }
+  void movesTo(size_t hexahedron, size_t place) {
+    const auto components = size_t(piece_.components);
+    float* const values = piece_.cellValues[kHexes].data();
+    std::copy_n(values + hexahedron * components, components, values + place * components);
+    piece_.duplicates[kHexes][place] = piece_.duplicates[kHexes][hexahedron];
   }
 
   struct Place {
@@ -224,59 +232,137 @@ class BlockMaker {
     std::vector<uint32_t>& made = cells_.points[size_t(type)];
     if (read.empty()) return;
     std::vector<size_t> end(points_.size() + 1, 0);
-    size_t kept = 0;
+    std::vector<uint32_t> from;
+    from.reserve(read.size() / N);
     for (size_t at = 0, n = read.size(); at < n; at += N) {
       tell(advance, at / N, n / N);
       CellPoints<N> cell;
       for (size_t i = 0; i < N; i++) cell[i] = numberOf_[read[at + i]];
       const CellPoints<N> sorted = ascending(cell);
       if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
-        counts_.degenerateCells += sources_.isHere[sorted[0]];
+        counts_.degenerateCells += sources_.isHere[sorted[0]] && !isDuplicate(type, at / N);
         dropped_ = true;
         continue;
       }
+      counts_.invertedCells +=
+          sources_.isHere[sorted[0]] && !isDuplicate(type, at / N) && isInverted(points_, type, cell);
       if (type == CellType::Tetrahedron) cell = sorted;
-      std::copy(cell.begin(), cell.end(), read.begin() + std::ptrdiff_t(kept));
-      kept += N;
+      std::copy(cell.begin(), cell.end(), read.begin() + std::ptrdiff_t(from.size() * N));
+      from.push_back(uint32_t(at / N));
       end[sorted[0] + 1]++;
     }
     for (size_t p = 1; p < end.size(); p++) end[p] += end[p - 1];
-    std::vector<CellPoints<N>> cells(kept / N);
-    for (size_t at = 0; at < kept; at += N) {
-      CellPoints<N> cell;
-      std::copy_n(read.begin() + std::ptrdiff_t(at), N, cell.begin());
-      cells[end[*std::min_element(cell.begin(), cell.end())]++] = cell;
+    std::vector<ReadCell<N>> cells(from.size());
+    for (size_t i = 0; i < from.size(); i++) {
+      ReadCell<N> cell{{}, from[i]};
+      std::copy_n(read.begin() + std::ptrdiff_t(i * N), N, cell.points.begin());
+      cells[end[*std::min_element(cell.points.begin(), cell.points.end())]++] = cell;
     }
     read = {};
     sortAmongSameLowest(cells, end, advance);
-    made.reserve(kept);
-    CellPoints<N> last{};
-    for (const CellPoints<N>& cell : cells) {
-      const CellPoints<N> sorted = ascending(cell);
-      if (!made.empty() && sorted == last) {
-        counts_.repeatedCells += sources_.isHere[sorted[0]];
-        continue;
+    made.reserve(cells.size() * N);
+    for (auto cell = cells.begin(); cell != cells.end();) {
+      const CellPoints<N> sorted = ascending(cell->points);
+      const auto next = std::find_if(
+          cell + 1, cells.end(), [&](const ReadCell<N>& other) { return ascending(other.points) != sorted; });
+      made.insert(made.end(), cell->points.begin(), cell->points.end());
+      const bool isHere = sources_.isHere[sorted[0]];
+      auto several = uint64_t(next - cell);
+      if (piece_.ofCells) several = takeValues(type, std::span<const ReadCell<N>>(cell, next), isHere);
+      if (isHere && several > 0) {
+        counts_.cells[size_t(type)]++;
+        counts_.repeatedCells += several - 1;
       }
-      counts_.cells[size_t(type)] += sources_.isHere[sorted[0]];
-      made.insert(made.end(), cell.begin(), cell.end());
-      last = sorted;
+      cell = next;
     }
+  }
+
+  bool isDuplicate(CellType type, size_t cell) const {
+    return piece_.ofCells && piece_.duplicates[size_t(type)][cell];
+  }
+
+  /// Appends the value of the one of these cells that is kept. Returns how many of them are no duplicates of other pieces' cells.
+  template <size_t N>
+  uint64_t takeValues(CellType type, std::span<const ReadCell<N>> same, bool isHere) {
+    const int components = piece_.components;
+    const float* const all = piece_.cellValues[size_t(type)].data();
+    const auto valuesOf = [&](const ReadCell<N>& cell) {
+      return all + size_t(cell.from) * size_t(components);
+    };
+    const ReadCell<N>* kept = nullptr;
+    uint64_t several = 0;
+    for (const ReadCell<N>& cell : same) {
+      const bool duplicate = isDuplicate(type, cell.from);
+      const bool first = !kept || (!duplicate && several == 0);
+      if (first || (duplicate == (several == 0) && isLower(valuesOf(cell), valuesOf(*kept), components)))
+        kept = &cell;
+      several += !duplicate;
+    }
+    if (isHere && several > 1)
+      counts_.differingCells += std::any_of(same.begin(), same.end(), [&](const ReadCell<N>& cell) {
+        return !isDuplicate(type, cell.from) && (isLower(valuesOf(cell), valuesOf(*kept), components) ||
+                                                 isLower(valuesOf(*kept), valuesOf(cell), components));
+      });
+    cellValues_.insert(cellValues_.end(), valuesOf(*kept), valuesOf(*kept) + components);
+    onlyDuplicate_.push_back(several == 0);
+    return several;
   }
 
   /// end[p]: the end of the cells whose lowest point is p.
   template <size_t N>
-  static void sortAmongSameLowest(std::vector<CellPoints<N>>& cells, const std::vector<size_t>& end,
+  static void sortAmongSameLowest(std::vector<ReadCell<N>>& cells, const std::vector<size_t>& end,
                                   const Advance& advance) {
     const auto sortCellsOf = [&](size_t p) {
       const auto from = cells.begin() + std::ptrdiff_t(p == 0 ? 0 : end[p - 1]);
       const auto to = cells.begin() + std::ptrdiff_t(end[p]);
-      std::sort(from, to, [](const CellPoints<N>& a, const CellPoints<N>& b) {
-        if constexpr (N == 4) return a < b;
-        const CellPoints<N> x = ascending(a), y = ascending(b);
-        return x != y ? x < y : a < b;
+      std::sort(from, to, [](const ReadCell<N>& a, const ReadCell<N>& b) {
+        if constexpr (N == 4) return a.points < b.points;
+        const CellPoints<N> x = ascending(a.points), y = ascending(b.points);
+        return x != y ? x < y : a.points < b.points;
       });
     };
     if (!cells.empty()) parallelFor(size_t(0), end.size() - 1, sortCellsOf, advance);
+  }
+
+  /// Gives values to points. Then cells that are there as duplicates only have served, and leave.
+  void averageCells(const Advance& advance) {
+    values_ = averagesAtPoints(points_, cells_, cellValues_, piece_.components, advance);
+    if (std::none_of(onlyDuplicate_.begin(), onlyDuplicate_.end(), [](uint8_t only) { return only; })) return;
+    dropped_ = true;
+    const auto components = size_t(piece_.components);
+    size_t cell = 0, kept = 0;
+    for (const CellType type : kAllCellTypes) {
+      std::vector<uint32_t>& cells = cells_.points[size_t(type)];
+      const size_t n = shapeOf(type).points, count = cells.size() / n;
+      size_t keptOfType = 0;
+      for (size_t i = 0; i < count; i++, cell++) {
+        if (onlyDuplicate_[cell]) continue;
+        std::copy_n(cells.begin() + std::ptrdiff_t(i * n), n,
+                    cells.begin() + std::ptrdiff_t(keptOfType++ * n));
+        std::copy_n(cellValues_.begin() + std::ptrdiff_t(cell * components), components,
+                    cellValues_.begin() + std::ptrdiff_t(kept++ * components));
+      }
+      cells.resize(keptOfType * n);
+    }
+    cellValues_.resize(kept * components);
+  }
+
+  void giveCellValues(MeshBlock& block) {
+    uint32_t cell = 0;
+    for (const CellType type : kAllCellTypes) {
+      const std::vector<uint32_t>& cells = cells_.points[size_t(type)];
+      const auto n = std::ptrdiff_t(shapeOf(type).points);
+      for (auto at = cells.begin(); at != cells.end(); at += n, cell++)
+        counts_.noDataCells +=
+            sources_.isHere[*std::min_element(at, at + n)] &&
+            lacksData(cellValues_.data() + cell * size_t(piece_.components), piece_.components);
+    }
+    std::vector<uint32_t> here;
+    for (uint32_t p = 0; p < points_.size() && partitioning_.partitions() > 1; p++)
+      if (sources_.isHere[p]) here.push_back(p);
+    if (!here.empty()) counts_.differing[partition_] = std::move(here);
+    block.values = std::move(values_);
+    block.cellValues = std::move(cellValues_);
   }
 
   void dropUnusedPoints() {
@@ -285,13 +371,18 @@ class BlockMaker {
     for (const auto& cells : cells_.points)
       for (const uint32_t point : cells) numbers[point] = 0;
     uint32_t kept = 0;
+    const auto components = size_t(piece_.components);
     for (size_t p = 0; p < numbers.size(); p++) {
       if (numbers[p] == kNone) continue;
       points_[kept] = points_[p];
+      if (piece_.ofCells)
+        std::copy_n(values_.begin() + std::ptrdiff_t(p * components), components,
+                    values_.begin() + std::ptrdiff_t(kept * components));
       sources_.isHere[kept] = sources_.isHere[p];
       numbers[p] = kept++;
     }
     points_.resize(kept);
+    if (piece_.ofCells) values_.resize(kept * components);
     sources_.isHere.resize(kept);
     std::erase_if(sources_.sources,
                   [&](const PointSources::Source& source) { return numbers[source.to] == kNone; });
@@ -300,6 +391,7 @@ class BlockMaker {
       for (uint32_t& point : cells) point = numbers[point];
   }
 
+  static constexpr auto kHexes = size_t(CellType::Hexahedron);
   MeshPiece piece_;
   const Partitioning& partitioning_;
   const int partition_;
@@ -308,7 +400,10 @@ class BlockMaker {
   MeshCells cells_;
   PointSources sources_;
   std::vector<uint32_t> numberOf_;  // by point of the piece: its number in the block
-  bool dropped_ = false;            // a cell, which may have been the only one with its points
+  // If the data are those of cells: by point and by cell of the block, and whether all cells with a cell's points are duplicates.
+  std::vector<float> values_, cellValues_;
+  std::vector<uint8_t> onlyDuplicate_;
+  bool dropped_ = false;  // a cell, which may have been the only one with its points
 };
 
 }  // namespace
@@ -316,7 +411,9 @@ class BlockMaker {
 int64_t bytesOf(const MeshPiece& piece) {
   size_t bytes = piece.points.size() * sizeof(glm::dvec3) + piece.values.size() * sizeof(float) +
                  piece.numbers.size() * sizeof(uint64_t);
-  for (const auto& cells : piece.cells.points) bytes += cells.size() * sizeof(uint32_t);
+  for (const CellType type : kAllCellTypes)
+    bytes += piece.cells.points[size_t(type)].size() * sizeof(uint32_t) +
+             piece.cellValues[size_t(type)].size() * sizeof(float) + piece.duplicates[size_t(type)].size();
   return int64_t(bytes);
 }
 

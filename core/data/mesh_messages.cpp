@@ -79,6 +79,8 @@ class Subset {
   MeshPiece of(const CellNumbers& wanted, const Advance& advance, std::vector<uint32_t>& taken) {
     MeshPiece some;
     some.components = all_.components;
+    some.ofCells = all_.ofCells;
+    const auto components = size_t(all_.components);
     for (const CellType type : kAllCellTypes) {
       const size_t n = shapeOf(type).points;
       const std::vector<uint32_t>& from = all_.cells.points[size_t(type)];
@@ -94,18 +96,23 @@ class Subset {
           }
           to.push_back(numberOf_[point]);
         }
+        if (!all_.ofCells) continue;
+        const auto values = all_.cellValues[size_t(type)].begin() + std::ptrdiff_t(cell * components);
+        std::vector<float>& own = some.cellValues[size_t(type)];
+        own.insert(own.end(), values, values + std::ptrdiff_t(components));
+        some.duplicates[size_t(type)].push_back(all_.duplicates[size_t(type)][cell]);
       }
     }
-    const size_t components = size_t(all_.components);
     some.points.reserve(taken.size());
     some.numbers.reserve(taken.size());
     some.values.reserve(taken.size() * components);
     for (const uint32_t point : taken) {
       some.points.push_back(all_.points[point]);
       some.numbers.push_back(all_.numbers[point]);
+      numberOf_[point] = kNone;
+      if (all_.ofCells) continue;
       const auto values = all_.values.begin() + std::ptrdiff_t(point * components);
       some.values.insert(some.values.end(), values, values + std::ptrdiff_t(components));
-      numberOf_[point] = kNone;
     }
     return some;
   }
@@ -119,6 +126,10 @@ class Subset {
 void write(Writer& writer, const MeshPiece& piece) {
   writer.write(int32_t(piece.components)).write(piece.points).write(piece.values).write(piece.numbers);
   for (const auto& cells : piece.cells.points) writer.write(cells);
+  writer.write(uint8_t(piece.ofCells));
+  if (!piece.ofCells) return;
+  for (const auto& values : piece.cellValues) writer.write(values);
+  for (const auto& duplicates : piece.duplicates) writer.write(duplicates);
 }
 
 MeshPiece readPiece(Reader& reader) {
@@ -128,6 +139,11 @@ MeshPiece readPiece(Reader& reader) {
   piece.values = reader.readVector<float>();
   piece.numbers = reader.readVector<uint64_t>();
   for (auto& cells : piece.cells.points) cells = reader.readVector<uint32_t>();
+  piece.ofCells = reader.read<uint8_t>() != 0;
+  if (piece.ofCells) {
+    for (auto& values : piece.cellValues) values = reader.readVector<float>();
+    for (auto& duplicates : piece.duplicates) duplicates = reader.readVector<uint8_t>();
+  }
   validate(piece);
   return piece;
 }
@@ -145,14 +161,19 @@ void append(MeshPiece& to, MeshPiece from) {
   if (to.components != from.components)
     throw Error("parts of a mesh have " + std::to_string(to.components) + " and " +
                 std::to_string(from.components) + " components, expected the same");
+  if (to.ofCells != from.ofCells)
+    throw Error("parts of a mesh have values of points and of cells, expected the same");
   if (to.points.size() + from.points.size() >= kMostMeshPoints)
     throw Error("a partition has a mesh of more than 2^30 points; use more partitions");
   const auto shift = uint32_t(to.points.size());
   append(to.points, from.points);
   append(to.values, from.values);
   append(to.numbers, from.numbers);
-  for (size_t type = 0; type < kCellTypes; type++)
+  for (size_t type = 0; type < kCellTypes; type++) {
     for (const uint32_t point : from.cells.points[type]) to.cells.points[type].push_back(point + shift);
+    append(to.cellValues[type], from.cellValues[type]);
+    append(to.duplicates[type], from.duplicates[type]);
+  }
 }
 
 }  // namespace
@@ -282,7 +303,7 @@ void takeSettledValues(std::map<int, MeshBlock>& blocks, const Partitioning& par
 }
 
 void settle(std::map<int, MeshBlock>& blocks, const Partitioning& partitioning, MeshBlockCounts& counts,
-            std::span<uint64_t* const> toSum, Collectives& ranks) {
+            std::span<uint64_t* const> toSum, Collectives& ranks, bool ofCells) {
   std::vector<uint64_t> mine;
   for (const uint64_t* sum : toSum) mine.push_back(*sum);
   const auto all = gatherValues(ranks, std::span<const uint64_t>(mine));
@@ -290,7 +311,7 @@ void settle(std::map<int, MeshBlock>& blocks, const Partitioning& partitioning, 
     *toSum[i] = 0;
     for (const auto& theirs : all) *toSum[i] += theirs[i];
   }
-  if (counts.differingPoints == 0) return;
+  if (counts.differingPoints == 0 && !ofCells) return;
   std::vector<Bytes> messages;
   agree(ranks, [&] { messages = packSettledValues(blocks, counts, partitioning, ranks.size()); });
   const std::vector<Bytes> received = ranks.allToAll(std::move(messages));
@@ -301,6 +322,7 @@ std::map<int, MeshBlock> distribute(MeshPiece read, const Partitioning& partitio
                                     Collectives& ranks, const std::function<void(int64_t)>& toTake,
                                     ValueRoutes* routes) {
   std::vector<Bytes> messages;
+  const bool ofCells = read.ofCells;
   agree(ranks, [&] {
     if (toTake) toTake(bytesOf(read));
     messages = packForOwners(read, partitioning, ranks.size(), advanceOf(ranks, 0, 0.5), routes);
@@ -317,11 +339,13 @@ std::map<int, MeshBlock> distribute(MeshPiece read, const Partitioning& partitio
     blocks = unpackMesh(partitioning, ranks.rank(), received, counts, advanceOf(ranks, 0.5), routes);
     received.clear();
   });
-  uint64_t* const sums[] = {&counts.points,       &counts.repeatedCells,   &counts.degenerateCells,
-                            &counts.mergedPoints, &counts.differingPoints, &counts.crowdedFaces,
-                            &counts.foldedFaces,  &counts.noDataPoints,    &counts.cells[0],
-                            &counts.cells[1],     &counts.cells[2],        &counts.cells[3]};
-  settle(blocks, partitioning, counts, sums, ranks);
+  uint64_t* const sums[] = {&counts.points,         &counts.repeatedCells,   &counts.degenerateCells,
+                            &counts.mergedPoints,   &counts.differingPoints, &counts.crowdedFaces,
+                            &counts.foldedFaces,    &counts.invertedCells,   &counts.hangingPoints,
+                            &counts.splitFaces,     &counts.noDataPoints,    &counts.noDataCells,
+                            &counts.differingCells, &counts.cells[0],        &counts.cells[1],
+                            &counts.cells[2],       &counts.cells[3]};
+  settle(blocks, partitioning, counts, sums, ranks, ofCells);
   return blocks;
 }
 

@@ -30,6 +30,10 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
+std::string ofPointsAndCells(const std::string& array) {
+  return "array '" + array + "' is one of points in one piece and one of cells in another, expected the same";
+}
+
 /// What this rank has read so far, the points of one file after those of another.
 struct MeshReading {
   MeshContent all;
@@ -37,9 +41,11 @@ struct MeshReading {
   void add(MeshContent piece) {
     if (all.array.empty()) {
       all.array = piece.array;
+      all.ofCells = piece.ofCells;
       all.components = piece.components;
       all.type = piece.type;
     } else if (!piece.array.empty()) {
+      if (piece.ofCells != all.ofCells) throw Error(ofPointsAndCells(piece.array));
       if (piece.components != all.components)
         throw Error("array '" + piece.array + "' has " + std::to_string(piece.components) +
                     " components in one piece and " + std::to_string(all.components) +
@@ -50,8 +56,11 @@ struct MeshReading {
       throw Error("one rank would hold a mesh of more than 2^30 points; use more ranks");
     const auto shift = uint32_t(all.points.size());
     for (uint64_t& number : piece.numbers) number += all.pointsOfFile;
-    for (size_t type = 0; type < kCellTypes; type++)
+    for (size_t type = 0; type < kCellTypes; type++) {
       for (const uint32_t point : piece.cells.points[type]) all.cells.points[type].push_back(point + shift);
+      append(all.cellValues[type], piece.cellValues[type]);
+      append(all.duplicates[type], piece.duplicates[type]);
+    }
     append(all.points, piece.points);
     append(all.values, piece.values);
     append(all.numbers, piece.numbers);
@@ -78,7 +87,10 @@ class MeshPieces {
         next_ = pieces_.size() * size_t(ranks.rank()) / size_t(ranks.size());
         end_ = pieces_.size() * (size_t(ranks.rank()) + 1) / size_t(ranks.size());
         if (array.empty())
-          if (const auto listed = valuesOfList(path, false)) wanted_.array = listed->array;
+          if (const auto listed = valuesOfList(path, {})) {
+            wanted_.array = listed->array;
+            wanted_.ofCells = listed->ofCells;
+          }
       } else {
         end_ = 1;
         wanted_.part = ranks.rank();
@@ -119,13 +131,15 @@ class MeshPieces {
       }
     });
     Writer writer;
-    writer.write(first ? first->array : std::string());
+    writer.write(first ? first->array : std::string()).write(uint8_t(first && first->ofCells));
     for (const Bytes& told : ranks_.allGather(writer.take())) {
       Reader reader(told, "the choice of an array");
-      if (wanted_.array.empty()) wanted_.array = reader.readString();
+      if (!wanted_.array.empty()) continue;
+      wanted_.array = reader.readString();
+      wanted_.ofCells = reader.read<uint8_t>() != 0;
     }
     agree(ranks_, [&] {
-      if (first && first->array == wanted_.array)
+      if (first && first->array == wanted_.array && first->ofCells == wanted_.ofCells)
         reading_.add(std::move(*first));
       else if (first)
         --next_;  // to be read again
@@ -143,6 +157,7 @@ class MeshPieces {
 /// What ranks have to tell each other of what they have read.
 struct ReadOnAll {
   std::string array;  // empty: no rank has points
+  bool ofCells = false;
   int components = 1;
   ScalarType type = ScalarType::Float32;
   CellKinds kinds;
@@ -150,11 +165,17 @@ struct ReadOnAll {
   uint64_t pointsBefore = 0, flatCells = 0, ghostCells = 0, unusableCells = 0, cells = 0;
 };
 
+uint64_t cellsWithoutDuplicates(const MeshContent& content) {
+  auto cells = int64_t(content.cells.size());
+  for (const auto& ofType : content.duplicates) cells -= std::count(ofType.begin(), ofType.end(), uint8_t(1));
+  return uint64_t(cells);
+}
+
 ReadOnAll gathered(const MeshContent& mine, const std::string& path, Collectives& ranks, bool isOneFile) {
   Writer writer;
-  writer.write(mine.array).write(int32_t(mine.components)).write(mine.type);
+  writer.write(mine.array).write(uint8_t(mine.ofCells)).write(int32_t(mine.components)).write(mine.type);
   writer.write(mine.pointsOfFile).write(mine.flatCells).write(mine.ghostCells).write(mine.unusableCells);
-  writer.write(uint64_t(mine.cells.size())).write(uint64_t(mine.kinds.size()));
+  writer.write(cellsWithoutDuplicates(mine)).write(uint64_t(mine.kinds.size()));
   for (const auto& [kind, count] : mine.kinds) writer.write(int32_t(kind)).write(count);
   for (const std::string& text : mine.warnings) writer.write(text);
   const std::vector<Bytes> told = ranks.allGather(writer.take());
@@ -163,13 +184,16 @@ ReadOnAll gathered(const MeshContent& mine, const std::string& path, Collectives
     for (size_t rank = 0; rank < told.size(); rank++) {
       Reader reader(told[rank], "what has been read of a mesh");
       const std::string array = reader.readString();
+      const bool ofCells = reader.read<uint8_t>() != 0;
       const auto components = reader.read<int32_t>();
       const auto type = reader.read<ScalarType>();
       if (!array.empty() && all.array.empty()) {
         all.array = array;
+        all.ofCells = ofCells;
         all.components = components;
         all.type = type;
       } else if (!array.empty()) {
+        if (ofCells != all.ofCells) throw Error(path + ": " + ofPointsAndCells(array));
         if (components != all.components)
           throw Error(path + ": array '" + array + "' has " + std::to_string(all.components) + " and " +
                       std::to_string(components) + " components in different pieces, expected the same");
@@ -255,10 +279,14 @@ LoadedMesh loadMesh(const std::string& path, const std::string& array, Collectiv
   loaded.report.unusableCells = all.unusableCells;
   MeshPiece piece;
   piece.components = all.components;
+  piece.ofCells = all.ofCells;
+  piece.duplicates = std::move(content.duplicates);
   piece.points = std::move(content.points);
   piece.numbers = std::move(content.numbers);
   piece.cells = std::move(content.cells);
   for (uint64_t& number : piece.numbers) number += all.pointsBefore;
+  for (size_t type = 0; type < kCellTypes; type++) append(content.values, content.cellValues[type]);
+  content.cellValues = {};
   static_cast<EncodedMesh&>(loaded) =
       encodedMesh(std::move(piece), all.type, std::move(content.values), ranks, toTake);
   return loaded;
@@ -298,7 +326,14 @@ std::vector<std::string> warningsOf(const MeshReport& report, const std::string&
   add(report.foldedFaces, "face", "faces",
       " whose two cells are on the same side, or one of them is flat: where cells overlap, pixels depend on "
       "how the data are cut");
+  add(report.hangingPoints, "point lies", "points lie",
+      " in faces of cells that do not have them: values may differ on both sides of these faces");
+  add(report.splitFaces, "triangle is half", "triangles are halves",
+      " of faces of four points of other cells: values may differ on both sides of these faces");
   add(report.noDataPoints, "point has", "points have", " no finite value: cells there are transparent");
+  add(report.noDataCells, "cell has", "cells have", " no finite value, and are transparent");
+  add(report.differingCells, "cell has", "cells have",
+      " another value than another cell with the same points; the lowest one is used");
   return texts;
 }
 

@@ -22,8 +22,8 @@ struct LoadedMesh : EncodedMesh {
 };
 
 /// Collective over `ranks`. Each rank reads its share of the pieces of a list, else its share of the cells of the file. Values
-/// are of the same array of points in all pieces: `array`, or that which a list of VTK's declares, or that is chosen of the first piece
-/// with points. They are stored as float, as encodingOf() says. On rank 0 `warnings` receives what was flawed in any file; null: they
+/// are of the same array of points, or of cells, in all pieces: `array`, or that which a list of VTK's declares, or that is chosen of the
+/// first piece with points. They are stored as float, as encodingOf() says. On rank 0 `warnings` receives what was flawed in any file; null: they
 /// are logged. `toTake`, if not empty, is told what this rank takes before it does. Tells ranks.done() how far it is. Throws Error, the
 /// same on all ranks, if any fails, and if there are no cells with a volume.
 LoadedMesh loadMesh(const std::string& path, const std::string& array, Collectives& ranks,

@@ -27,20 +27,14 @@ constexpr unsigned char kLeftOut = vtkDataSetAttributes::DUPLICATECELL | vtkData
                                    vtkDataSetAttributes::HIDDENCELL;
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
-/// Returns the array of values among the arrays that have been read.
-vtkDataArray* valuesOf(vtkPointSet* grid, const std::string& wanted, const std::string& path) {
+/// Returns which array gives the values, among those that have been read.
+ChosenArray valuesOf(vtkPointSet* grid, const MeshWanted& wanted, const std::string& path) {
   const ListedArrays points = listOf(grid->GetPointData()), cells = listOf(grid->GetCellData());
-  if (const auto chosen = chooseValues(points, cells, ValuesWanted(wanted, false)))
-    return grid->GetPointData()->GetArray(chosen->name.c_str());
-  const std::string missing =
-      path + ": no " + (wanted.empty() ? "numeric array" : "array '" + wanted + "'") + " of points";
-  if (const auto ofCells = chooseValues(points, cells, ValuesWanted(wanted, true)))
-    throw Error(
-        missing + ", and '" + ofCells->name +
-        "' is one of cells; values of the cells of an unstructured volume are not supported yet, "
-        "expected an array of points: convert it, for example with ParaView's Cell Data to Point Data");
-  throw Error(missing + ", which an unstructured volume needs; of points the file has " + namesOf(points) +
-              ", of cells " + namesOf(cells));
+  if (auto chosen = chooseValues(points, cells, ValuesWanted(wanted.array, wanted.ofCells))) return *chosen;
+  const std::string kind = wanted.ofCells ? (*wanted.ofCells ? "cells" : "points") : "points or cells";
+  throw Error(path + ": no " + (wanted.array.empty() ? "numeric array" : "array '" + wanted.array + "'") +
+              " of " + kind + ", which an unstructured volume needs; of points the file has " +
+              namesOf(points) + ", of cells " + namesOf(cells));
 }
 
 class MeshReader {
@@ -60,26 +54,35 @@ class MeshReader {
     const vtkIdType cells = list_.count(), first = cells * wanted.part / wanted.of,
                     end = cells * (wanted.part + 1) / wanted.of;
     const int64_t corners = countKinds(first, end);
-    vtkDataArray* values = content_.pointsOfFile ? valuesOf(grid_, wanted.array, path_) : nullptr;
-    if (!values) return std::move(content_);
-    content_.array = values->GetName();
+    if (content_.pointsOfFile == 0) return std::move(content_);
+    const ChosenArray chosen = valuesOf(grid_, wanted, path_);
+    vtkDataSetAttributes* const data = chosen.ofCells
+                                           ? static_cast<vtkDataSetAttributes*>(grid_->GetCellData())
+                                           : static_cast<vtkDataSetAttributes*>(grid_->GetPointData());
+    vtkDataArray* const values = data->GetArray(chosen.name.c_str());
+    content_.array = chosen.name;
+    content_.ofCells = chosen.ofCells;
     content_.components = values->GetNumberOfComponents();
     content_.type = scalarOfVtk(values->GetDataType()).value_or(ScalarType::Float64);
     if (toTake)
-      toTake(
-          int64_t(content_.pointsOfFile) * int64_t(sizeof(uint32_t)) +
-          grid_->GetNumberOfPoints() / wanted.of *
-              int64_t(sizeof(glm::dvec3) + sizeof(uint64_t) + sizeof(double) * size_t(content_.components)) +
-          corners * int64_t(sizeof(uint32_t)));
+      toTake(int64_t(content_.pointsOfFile) * int64_t(sizeof(uint32_t)) +
+             grid_->GetNumberOfPoints() / wanted.of * int64_t(sizeof(glm::dvec3) + sizeof(uint64_t)) +
+             (chosen.ofCells ? end - first : grid_->GetNumberOfPoints() / wanted.of) *
+                 int64_t(sizeof(double) * size_t(content_.components)) +
+             corners * int64_t(sizeof(uint32_t)));
     numberOf_.assign(size_t(content_.pointsOfFile), kNone);
-    for (vtkIdType cell = first; cell < end; cell++) take(cell);
-    takeValues(values);
+    for (vtkIdType cell = first; cell < end; cell++) take(cell, values);
+    if (!chosen.ofCells) takeValues(values);
     content_.warnings = flaws_.warnings(path_);
     return std::move(content_);
   }
 
  private:
   bool isGhost(vtkIdType cell) const { return ghosts_ && (ghosts_->GetValue(cell) & kLeftOut); }
+
+  bool isHidden(vtkIdType point) const {
+    return hidden_ && (hidden_->GetValue(point) & vtkDataSetAttributes::HIDDENPOINT);
+  }
 
   /// Returns how many points the cells from `first` to `end` have that become cells of the mesh.
   int64_t countKinds(vtkIdType first, vtkIdType end) {
@@ -99,12 +102,18 @@ class MeshReader {
     return corners;
   }
 
-  void take(vtkIdType cell) {
+  /// Whether a ghost has a value for averages at points.
+  bool serves(vtkIdType cell) const {
+    return content_.ofCells && (ghosts_->GetValue(cell) & kLeftOut) == vtkDataSetAttributes::DUPLICATECELL;
+  }
+
+  void take(vtkIdType cell, vtkDataArray* values) {
     const int type = list_.type(cell);
     const auto meshType = meshCellOf(type);
-    if (isGhost(cell)) {
+    const bool isDuplicate = isGhost(cell);
+    if (isDuplicate) {
       content_.ghostCells += meshType.has_value() || dimensionOf(type).value_or(3) == 3;
-      return;
+      if (!meshType || !serves(cell)) return;
     }
     if (!meshType) {
       content_.flatCells++;
@@ -121,12 +130,23 @@ class MeshReader {
       return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
     };
     if (!std::all_of(ids_->begin(), ids_->end(), isFinite)) {
-      content_.unusableCells++;
+      content_.unusableCells += !isDuplicate;
       return;
     }
     for (size_t i = 0; i < shapeOf(*meshType).points; i++)
       content_.cells.points[size_t(*meshType)].push_back(
           numberOf(ids_->GetId(vtkIdType(placeInFile(type, i)))));
+    if (content_.ofCells) takeValue(values, cell, *meshType, isDuplicate);
+  }
+
+  void takeValue(vtkDataArray* values, vtkIdType cell, CellType type, bool isDuplicate) {
+    std::vector<double>& of = content_.cellValues[size_t(type)];
+    of.resize(of.size() + size_t(content_.components));
+    double* const own = of.data() + of.size() - size_t(content_.components);
+    values->GetTuple(cell, own);
+    if (std::any_of(ids_->begin(), ids_->end(), [&](vtkIdType point) { return isHidden(point); }))
+      std::fill_n(own, content_.components, std::numeric_limits<double>::quiet_NaN());
+    content_.duplicates[size_t(type)].push_back(isDuplicate);
   }
 
   uint32_t numberOf(vtkIdType point) {
@@ -147,8 +167,7 @@ class MeshReader {
       double* of = content_.values.data() + p * components;
       const auto point = vtkIdType(content_.numbers[p]);
       values->GetTuple(point, of);
-      if (hidden_ && (hidden_->GetValue(point) & vtkDataSetAttributes::HIDDENPOINT))
-        std::fill_n(of, components, std::numeric_limits<double>::quiet_NaN());
+      if (isHidden(point)) std::fill_n(of, components, std::numeric_limits<double>::quiet_NaN());
     }
   }
 
@@ -167,7 +186,7 @@ class MeshReader {
 MeshContent readMesh(const std::string& path, const MeshWanted& wanted, const TakeMemory& toTake) {
   LeftOut leftOut;
   const vtkSmartPointer<vtkPointSet> set =
-      readPointSet(path, toTake, ArraysNeeded{ValuesWanted(wanted.array, false), false}, &leftOut);
+      readPointSet(path, toTake, ArraysNeeded{ValuesWanted(wanted.array, wanted.ofCells), false}, &leftOut);
   if (!vtkUnstructuredGrid::SafeDownCast(set) && !vtkStructuredGrid::SafeDownCast(set))
     throw Error(path + ": expected an unstructured, structured or rectilinear grid, found " +
                 set->GetClassName());

@@ -54,27 +54,37 @@ FN real errorAllowed(MAP map, real low, real high, real length, real range, real
 }
 
 // Integrates the part from uFrom to uTo of the way through a hexahedron, from p to q, whose reference coordinates are `at` and `last`.
-// Returns whether the map shows something.
-FN bool integrateInHexahedron(MAP map, Hexahedron h, SidePoint p, vec3 at, SidePoint q, vec3 last, real uFrom,
-                              real uTo, real span, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
-  real low = lowestOf(h), high = highestOf(h);
-  CellCurve curve;
-  curve.cubic = cubicBetween(h, p, at, q, last, q.z - p.z, low, high);
-  curve.low = low;
-  curve.high = high;
+// `constant`: the cell has one value everywhere. Returns whether the map shows something.
+FN bool integrateInHexahedron(MAP map, Hexahedron h, UNIFORM bool constant, real value, SidePoint p, vec3 at,
+                              SidePoint q, vec3 last, real uFrom, real uTo, real span, real tMin,
+                              INOUT(vec3) rgb, INOUT(real) A) {
+  real low = value, high = value;
+  CellCurve curve = linearCurve(value, value);
+  if (!constant) {
+    low = lowestOf(h);
+    high = highestOf(h);
+    curve.cubic = cubicBetween(h, p, at, q, last, q.z - p.z, low, high);
+    curve.low = low;
+    curve.high = high;
+  }
   CurveInMap lies = curveInMap(map, curve);
   if (lies.seen) {
     SidePoint from = p, to = q;
     vec3 place = at, then = last;
     real u = R(0.0), step = R(1.0);
     while (u < uTo) {
-      curve.cubic = cubicBetween(h, from, place, to, then, to.z - from.z, low, high);
-      vec3 halfway = middleOf(place, then, R(0.5));
-      SidePoint middle = pointAtDepth(h, lerp1(from.z, to.z, R(0.5)), halfway);
-      real error = errorInMiddle(curve.cubic, middle.value);
-      curve.low = min(min(curve.cubic.x, curve.cubic.y), min(curve.cubic.z, curve.cubic.w));
-      curve.high = max(max(curve.cubic.x, curve.cubic.y), max(curve.cubic.z, curve.cubic.w));
-      real allowed = errorAllowed(map, curve.low - error, curve.high + error, span * step, high - low, tMin);
+      vec3 halfway = then;
+      SidePoint middle = to;
+      real error = R(0.0), allowed = R(0.0);
+      if (!constant) {
+        curve.cubic = cubicBetween(h, from, place, to, then, to.z - from.z, low, high);
+        halfway = middleOf(place, then, R(0.5));
+        middle = pointAtDepth(h, lerp1(from.z, to.z, R(0.5)), halfway);
+        error = errorInMiddle(curve.cubic, middle.value);
+        curve.low = min(min(curve.cubic.x, curve.cubic.y), min(curve.cubic.z, curve.cubic.w));
+        curve.high = max(max(curve.cubic.x, curve.cubic.y), max(curve.cubic.z, curve.cubic.w));
+        allowed = errorAllowed(map, curve.low - error, curve.high + error, span * step, high - low, tMin);
+      }
       if (error > allowed && step > HEX_STEP_LEAST) {
         step *= R(0.5);
         to = middle;
@@ -94,6 +104,17 @@ FN bool integrateInHexahedron(MAP map, Hexahedron h, SidePoint p, vec3 at, SideP
   return lies.seen;
 }
 
+// Whether a cell is seen at all: it has a value of its own, or values at its corners, or both, as the operator shows it.
+FN bool hexHoldsData(OPERATOR op, Hexahedron h, uint cell) {
+  bool holds = true;
+  if (op.constantCells == 0) holds = isFinite(h);
+  if (hasValues(op)) {
+    real value = cellValue(op, cell);
+    holds = holds && value - value == R(0.0);
+  }
+  return holds;
+}
+
 // As walkMesh().
 FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMarch) w, INOUT(Radiance) L,
                       INOUT(int) samples, INOUT(int) cells) {
@@ -106,6 +127,7 @@ FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(Me
   real A = L.A, largest = max(w.largest, p.z * r.frame.perDepth), begin = max(w.t0, m.tStart);
   int evaluated = 0, crossed = 0;
   bool goes = true;
+  UNIFORM bool constant = op.constantCells != 0;
   while (goes && face != NO_FACE) {
     uint cell = face >> 3, side = face & 7u;
     if (crossed > 0) {
@@ -129,13 +151,15 @@ FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(Me
       real start = max(before, begin);
       if (to > m.tOut) {
         goes = false;  // the cell belongs to the next partition
-      } else if (to > start && isFinite(h)) {
+      } else if (to > start && hexHoldsData(op, h, cell)) {
         // The two cells of a triangle have different coordinates in it.
         if (isTriangle(side, orders)) p = sidePoint(h, side, orders);
         real span = largest - before;
         vec3 at = referencePlace(orderedCorners(side, orders), p.u, p.v);
         vec3 last = referencePlace(orderedCorners(next, orders), q.u, q.v);
-        bool seen = integrateInHexahedron(op.map, h, p, at, q, last, (start - before) / span,
+        real value = R(0.0);
+        if (constant) value = cellValue(op, cell);
+        bool seen = integrateInHexahedron(op.map, h, constant, value, p, at, q, last, (start - before) / span,
                                           to < largest ? (to - before) / span : R(1.0), span, m.tMin, rgb, A);
         evaluated += seen ? 1 : 0;
       }

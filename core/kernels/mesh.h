@@ -15,6 +15,8 @@
 //   uint cellCorner(op, i)      corner i % 4 of tetrahedron i / 4; the corners of a tetrahedron ascend
 //   uint cellNeighbour(op, i)   what lies behind the face opposite that corner: the face (cell << 3 | corner) of another cell, or NO_FACE
 //   uint shellFace(op, i)       face i of the shell (cell << 3 | corner)
+//   bool hasValues(op)          whether cells have values of their own. Those whose value is not finite are not seen
+//   real cellValue(op, i)       the value of cell i
 
 #define NO_FACE 0xffffffffu
 
@@ -177,14 +179,25 @@ FN uint walkMesh(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMar
       real start = max(before, begin);
       if (to > m.tOut) {
         goes = false;  // the cell belongs to the next partition
-      } else if (to > start && (s - s) + (s0 - s0) == R(0.0)) {
-        CellCurve curve = linearCurve(s0, s);
-        CurveInMap lies = curveInMap(op.map, curve);
-        if (lies.seen) {
-          real span = largest - before;
-          evaluated += 1;
-          addPart(op.map, curve, false, lies, (start - before) / span,
-                  to < largest ? (to - before) / span : R(1.0), span, m.tMin, rgb, A);
+      } else if (to > start) {
+        real front = s0, back = s;
+        bool holds = (s - s) + (s0 - s0) == R(0.0);
+        if (hasValues(op)) {
+          real value = cellValue(op, cell >> 2);
+          bool constant = op.constantCells != 0;
+          front = constant ? value : s0;
+          back = constant ? value : s;
+          holds = (constant || holds) && value - value == R(0.0);
+        }
+        if (holds) {
+          CellCurve curve = linearCurve(front, back);
+          CurveInMap lies = curveInMap(op.map, curve);
+          if (lies.seen) {
+            real span = largest - before;
+            evaluated += 1;
+            addPart(op.map, curve, false, lies, (start - before) / span,
+                    to < largest ? (to - before) / span : R(1.0), span, m.tMin, rgb, A);
+          }
         }
       }
       if (to >= w.end || to >= m.tOut || R(1.0) - A < m.tMin) goes = false;

@@ -55,6 +55,7 @@ FN vec4 vertexOf(OPERATOR op, uint i) {
 }
 FN uint cellCorner(OPERATOR op, uint i) { return MESH_AT(op, indices, i); }
 FN uint cellNeighbour(OPERATOR op, uint i) { return MESH_AT(op, neighbours, i); }
+FN real cellValue(OPERATOR op, uint i) { return MESH_AT(op, values, i); }
 FN uint hexPoint(OPERATOR op, uint i) { return MESH_AT(op, indices, i); }
 FN uint hexNeighbour(OPERATOR op, uint i) { return MESH_AT(op, neighbours, i); }
 FN uint hexOrders(OPERATOR op, uint i) { return MESH_AT(op, orders, i); }

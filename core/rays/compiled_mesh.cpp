@@ -20,19 +20,37 @@ namespace {
 
 using OtherScenes = std::span<const std::shared_ptr<const CompiledScene>>;
 
-// What the operator shows of the stored values of each point.
-std::vector<float> shownValues(const CompiledOperator& op, const MeshBlock& block) {
+// What the operator shows of stored values, of several components each.
+std::vector<float> shownOf(const CompiledOperator& op, const std::vector<float>& values) {
   const auto components = size_t(op.data.mesh->components);
-  if (components == 1) return block.values;
-  std::vector<float> shown(block.points.size());
-  for (size_t p = 0; p < shown.size(); p++) {
-    const float* of = block.values.data() + p * components;
+  if (components == 1) return values;
+  std::vector<float> shown(values.size() / components);
+  for (size_t i = 0; i < shown.size(); i++) {
+    const float* of = values.data() + i * components;
     float squares = 0;
     for (size_t c = 0; c < components; c++) squares += of[c] * of[c];
-    shown[p] = op.vis.component ? of[size_t(*op.vis.component)] : std::sqrt(squares);
+    shown[i] = op.vis.component ? of[size_t(*op.vis.component)] : std::sqrt(squares);
   }
   return shown;
 }
+
+// What an operator shows of a block.
+struct ShownValues {
+  std::vector<float> points;
+  std::vector<float> cells;  // empty if the data are those of points
+  bool constant;             // whether cells are in their own values
+
+  ShownValues(const CompiledOperator& op, const MeshBlock& block)
+      : points(shownOf(op, block.values)),
+        cells(shownOf(op, block.cellValues)),
+        constant(showsConstantCells(op)) {}
+
+  // Whether a cell of these points has data.
+  bool hold(size_t cell, std::span<const uint32_t> corners) const {
+    if (!cells.empty() && !std::isfinite(cells[cell])) return false;
+    return std::all_of(corners.begin(), corners.end(), [&](uint32_t p) { return std::isfinite(points[p]); });
+  }
+};
 
 Range rangeOf(std::span<const float> values) {
   Range range;
@@ -46,7 +64,7 @@ bool shows(const CompiledMap& map, const Range& range) {
 }
 
 bool showsSameValues(const CompiledOperator& a, const CompiledOperator& b) {
-  return a.data.mesh == b.data.mesh && a.summary == b.summary;
+  return a.data.mesh == b.data.mesh && a.summary == b.summary && a.vis.cells == b.vis.cells;
 }
 
 bool showsSameSurfaces(const CompiledOperator& a, const CompiledOperator& b) {
@@ -72,7 +90,7 @@ glm::vec3 placeIn(const RenderSpace& space, const glm::dvec3& point) {
   return {float(p.x), float(p.y), float(p.z)};
 }
 
-GeometryInPartition cellsOf(const MeshBlock& block, const KernelCells& kernel, std::span<const float> shown,
+GeometryInPartition cellsOf(const MeshBlock& block, const KernelCells& kernel, const ShownValues& shown,
                             const RenderSpace& space, const Advance& advance) {
   GeometryInPartition cells;
   cells.points.resize(block.points.size() * 4);
@@ -81,9 +99,13 @@ GeometryInPartition cellsOf(const MeshBlock& block, const KernelCells& kernel, s
       [&](size_t i) {
         const glm::vec3 p = placeIn(space, block.points[i]);
         std::copy_n(&p.x, 3, &cells.points[4 * i]);
-        cells.points[4 * i + 3] = shown[i];
+        cells.points[4 * i + 3] = shown.points[i];
       },
       advance);
+  // Where values are those at points, the cells' own ones only say which are not seen.
+  if (shown.constant ||
+      std::any_of(shown.cells.begin(), shown.cells.end(), [](float v) { return !std::isfinite(v); }))
+    cells.values = shown.cells;
   cells.indices.assign(kernel.points.begin(), kernel.points.end());
   cells.neighbours.assign(kernel.neighbours.begin(), kernel.neighbours.end());
   cells.orders = kernel.orders;
@@ -95,15 +117,13 @@ GeometryInPartition cellsOf(const MeshBlock& block, const KernelCells& kernel, s
 // Appends the cells that a surface passes, given the level at each point. It passes a cell if the level is above 0 at some of its
 // corners and not at others. A slice in a face of a cell is thus in the cell above it; where there is none, the cell below it has the
 // slice, with levels turned over.
-void addSurface(const MeshBlock& block, const KernelCells& kernel, std::span<const float> shown,
+void addSurface(const MeshBlock& block, const KernelCells& kernel, const ShownValues& shown,
                 std::span<const float> level, uint32_t surface, std::optional<float> isovalue,
                 const RenderSpace& space, GeometryInPartition& cells) {
   for (size_t cell = 0; cell < kernel.size(); cell++) {
     const std::span<const uint32_t> at = kernel.pointsOf(cell);
     const auto above = std::count_if(at.begin(), at.end(), [&](uint32_t p) { return level[p] > 0; });
-    if (above == std::ptrdiff_t(at.size()) ||
-        std::any_of(at.begin(), at.end(), [&](uint32_t p) { return !std::isfinite(shown[p]); }))
-      continue;
+    if (above == std::ptrdiff_t(at.size()) || !shown.hold(cell, at)) continue;
     bool ends = false;
     if (above == 0) {
       if (isovalue) continue;
@@ -115,7 +135,7 @@ void addSurface(const MeshBlock& block, const KernelCells& kernel, std::span<con
     for (const uint32_t p : at) {
       const glm::vec3 place = placeIn(space, block.points[p]);
       cells.points.insert(cells.points.end(), {place.x, place.y, place.z, ends ? -level[p] : level[p]});
-      cells.values.push_back(isovalue.value_or(shown[p]));
+      cells.values.push_back(isovalue.value_or(shown.constant ? shown.cells[cell] : shown.points[p]));
     }
     if (!kernel.orders.empty()) cells.orders.push_back(kernel.orders[cell]);
     cells.indices.push_back(surface);
@@ -124,10 +144,10 @@ void addSurface(const MeshBlock& block, const KernelCells& kernel, std::span<con
 
 // Returns the cells that the operator's surfaces pass; null if there are none.
 std::shared_ptr<const GeometryInPartition> surfacesOf(const CompiledOperator& op, const MeshBlock& block,
-                                                      const KernelCells& kernel, std::span<const float> shown,
+                                                      const KernelCells& kernel, const ShownValues& shown,
                                                       const RenderSpace& space, const Advance& advance) {
   GeometryInPartition cells;
-  std::vector<float> level(shown.size());
+  std::vector<float> level(shown.points.size());
   const size_t count = op.slices.size() + op.isovalues.size();
   for (size_t surface = 0; surface < count; surface++) {
     tell(advance, surface, count);
@@ -140,7 +160,7 @@ std::shared_ptr<const GeometryInPartition> surfacesOf(const CompiledOperator& op
             float(glm::dot(normal, glm::dvec3(placeIn(space, block.points[p]))) - double(plane.offset));
     } else {
       isovalue = op.isovalues[surface - op.slices.size()];
-      for (size_t p = 0; p < level.size(); p++) level[p] = shown[p] - *isovalue;
+      for (size_t p = 0; p < level.size(); p++) level[p] = shown.points[p] - *isovalue;
     }
     addSurface(block, kernel, shown, level, uint32_t(surface), isovalue, space, cells);
   }
@@ -178,6 +198,14 @@ void compileMesh(CompiledOperator& op, const CompiledScene& scene) {
   for (const double v : op.vis.isovalues) op.isovalues.push_back(float((v - mesh.shift) / mesh.scale));
 }
 
+std::optional<std::string> warningOf(const Vis& vis, const Mesh& mesh) {
+  if (!mesh.ofCells || vis.cells == CellsShown::Smooth || vis.isovalues.empty()) return std::nullopt;
+  return "dataset \"" + vis.dataset +
+         "\": its data are those of cells, and isosurfaces are those of averages at points; `cells`: "
+         "\"smooth\" shows "
+         "these everywhere";
+}
+
 void planMesh(CompiledOperator& op, CompiledScene& scene, OtherScenes others, const Advance& advance) {
   const auto& blocks = op.data.mesh->blocks;
   size_t done = 0;
@@ -185,14 +213,15 @@ void planMesh(CompiledOperator& op, CompiledScene& scene, OtherScenes others, co
     const int partition = entry.first;
     const MeshBlock& block = entry.second;
     const Advance part = partOf(advance, done++, blocks.size());
-    const std::vector<float> shown = shownValues(op, block);
+    const ShownValues shown(op, block);
     OperatorInPartition planned;
     std::optional<KernelCells> kernel;
     const auto kernelCellsOnce = [&]() -> const KernelCells& {
       if (!kernel) kernel = kernelCells(block, hasOnlyTetrahedra(*op.data.mesh));
       return *kernel;
     };
-    if (op.vis.volumeRendering && !block.shell.empty() && shows(op.map, rangeOf(shown))) {
+    if (op.vis.volumeRendering && !block.shell.empty() &&
+        shows(op.map, rangeOf(shown.constant ? shown.cells : shown.points))) {
       planned.geometry =
           partAmong(others, op, scene.space, partition, &OperatorInPartition::geometry, showsSameValues);
       if (!planned.geometry)

@@ -51,7 +51,7 @@ struct CompiledPlane {
 struct GeometryInPartition {
   std::vector<float> points;   ///< x y z radius, render space; of a mesh: x y z and the stored value
   std::vector<float> normals;  ///< x y z per point, or empty
-  std::vector<float> values;   ///< per point, or empty
+  std::vector<float> values;   ///< per point, or empty; of a mesh: stored values per cell, or empty
   std::vector<float> colors;   ///< r g b per point, or empty
   std::vector<uint32_t>
       indices;  ///< 2 (segments) or 3 (triangles) per primitive; empty for particles; of a mesh: 4 or 8 per cell
@@ -103,6 +103,11 @@ struct CompiledOperator {
   float occludingExtinction = 0;
   int summary = 0;  ///< index into the block's summaries: the component, or the last for the magnitude
 };
+
+/// Whether an operator shows a mesh whose cells have a constant value each (Vis::cells).
+inline bool showsConstantCells(const CompiledOperator& op) {
+  return op.data.mesh && op.data.mesh->ofCells && op.vis.cells == CellsShown::Flat;
+}
 
 struct CompiledScene {
   Visualization visualization;

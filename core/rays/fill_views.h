@@ -133,6 +133,7 @@ void fillOperatorView(View& v, const CompiledOperator& op, Put& put) {
   v.occludingExtinction = op.occludingExtinction;
   v.opacity = float(op.vis.opacity);
   v.twoSided = op.vis.twoSided;
+  v.constantCells = showsConstantCells(op);
   v.slices = int(op.slices.size());
   v.slice = put(op.slices);
   v.every = op.every;

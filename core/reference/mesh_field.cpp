@@ -28,8 +28,10 @@ std::vector<uint32_t> numberedByPlace(const std::vector<glm::dvec3>& points) {
   return numbers;
 }
 
-double trueValue(const Mesh& mesh, const MeshBlock& block, size_t point, std::optional<int> component) {
-  const float* stored = &block.values[point * size_t(mesh.components)];
+/// Of a point or a cell, given the stored values of all.
+double trueValue(const Mesh& mesh, const std::vector<float>& values, size_t place,
+                 std::optional<int> component) {
+  const float* stored = &values[place * size_t(mesh.components)];
   const auto part = [&](int c) { return mesh.shift + mesh.scale * double(stored[c]); };
   if (component) return part(*component);
   if (mesh.components == 1) return part(0);
@@ -40,36 +42,43 @@ double trueValue(const Mesh& mesh, const MeshBlock& block, size_t point, std::op
 
 }  // namespace
 
-MeshField::MeshField(const Mesh& mesh, std::optional<int> component)
+MeshField::MeshField(const Mesh& mesh, std::optional<int> component, CellsShown shown)
     : box_(mesh.box), typicalLength_(gxy::typicalLength(mesh)) {
   if (component && (*component < 0 || *component >= mesh.components)) {
     throw Error("reference: mesh '" + mesh.name + "' has no component " + std::to_string(*component) +
                 ": expected 0 to " + std::to_string(mesh.components - 1));
   }
-  std::vector<Corners> tetrahedra;
-  std::vector<Other> others;
+  Cells all;
   for (const auto& [partition, block] : mesh.blocks) {
-    if (block.values.size() < block.points.size() * size_t(mesh.components))
-      throw Error("reference: mesh '" + mesh.name + "' has fewer values than points");
+    const auto each = size_t(mesh.components);
+    if (block.values.size() < block.points.size() * each ||
+        (mesh.ofCells && block.cellValues.size() < block.cells.size() * each))
+      throw Error("reference: mesh '" + mesh.name + "' has fewer values than points or cells");
     const auto first = uint32_t(points_.size());
     points_.insert(points_.end(), block.points.begin(), block.points.end());
-    for (size_t i = 0; i < block.points.size(); i++) values_.push_back(trueValue(mesh, block, i, component));
-    addCells(block, first, tetrahedra, others);
+    for (size_t i = 0; i < block.points.size(); i++)
+      values_.push_back(trueValue(mesh, block.values, i, component));
+    addCells(mesh, block, component, first, all);
   }
   const std::vector<uint32_t> numbers =
       mesh.blocks.size() > 1 ? numberedByPlace(points_) : std::vector<uint32_t>();
+  const bool constant = mesh.ofCells && shown == CellsShown::Flat;
   std::vector<Box> boxes;
   std::set<Corners> seen;
-  for (Corners cell : tetrahedra) {
+  for (size_t i = 0; i < all.tetrahedra.size(); i++) {
+    Corners cell = all.tetrahedra[i];
     if (!numbers.empty())
       for (uint32_t& corner : cell) corner = numbers[corner];
     std::sort(cell.begin(), cell.end());
-    if ((!numbers.empty() && !seen.insert(cell).second) || !haveData(cell)) continue;
+    if ((!numbers.empty() && !seen.insert(cell).second) || !haveData(cell, all.tetrahedronValues[i]))
+      continue;
     boxes.push_back(boxAround(cornersOf(cell)));
     tetrahedra_.push_back(cell);
+    if (constant) tetrahedronValues_.push_back(all.tetrahedronValues[i]);
   }
   std::set<std::array<uint32_t, 8>> seenOthers;
-  for (Other& cell : others) {
+  for (size_t i = 0; i < all.others.size(); i++) {
+    Other& cell = all.others[i];
     const auto points = std::span(cell.points).first(shapeOf(cell.type).points);
     if (!numbers.empty()) {
       for (uint32_t& corner : points) corner = numbers[corner];
@@ -79,32 +88,41 @@ MeshField::MeshField(const Mesh& mesh, std::optional<int> component)
       std::sort(key.begin(), key.end());
       if (!seenOthers.insert(key).second) continue;
     }
-    if (!haveData(points)) continue;
+    if (!haveData(points, all.otherValues[i])) continue;
     boxes.push_back(boxAround(cornersOf(cell).corners()));
     others_.push_back(cell);
+    if (constant) otherValues_.push_back(all.otherValues[i]);
   }
   tree_.emplace(boxes);
 }
 
-void MeshField::addCells(const MeshBlock& block, uint32_t firstPoint, std::vector<Corners>& tetrahedra,
-                         std::vector<Other>& others) const {
+void MeshField::addCells(const Mesh& mesh, const MeshBlock& block, std::optional<int> component,
+                         uint32_t firstPoint, Cells& cells) const {
+  size_t number = 0;
+  const auto ownValue = [&] {
+    return mesh.ofCells ? trueValue(mesh, block.cellValues, number++, component) : 0;
+  };
   const auto& corners = block.cells.points[size_t(CellType::Tetrahedron)];
-  for (size_t i = 0; i + 4 <= corners.size(); i += 4)
-    tetrahedra.push_back({firstPoint + corners[i], firstPoint + corners[i + 1], firstPoint + corners[i + 2],
-                          firstPoint + corners[i + 3]});
+  for (size_t i = 0; i + 4 <= corners.size(); i += 4) {
+    cells.tetrahedra.push_back({firstPoint + corners[i], firstPoint + corners[i + 1],
+                                firstPoint + corners[i + 2], firstPoint + corners[i + 3]});
+    cells.tetrahedronValues.push_back(ownValue());
+  }
   for (const CellType type : {CellType::Pyramid, CellType::Wedge, CellType::Hexahedron}) {
     const auto& points = block.cells.points[size_t(type)];
     const size_t n = shapeOf(type).points;
     for (size_t i = 0; i + n <= points.size(); i += n) {
       Other cell{type};
       for (size_t k = 0; k < n; k++) cell.points[k] = firstPoint + points[i + k];
-      others.push_back(cell);
+      cells.others.push_back(cell);
+      cells.otherValues.push_back(ownValue());
     }
   }
 }
 
-bool MeshField::haveData(std::span<const uint32_t> points) const {
-  return std::all_of(points.begin(), points.end(), [&](uint32_t p) { return std::isfinite(values_[p]); });
+bool MeshField::haveData(std::span<const uint32_t> points, double own) const {
+  return std::isfinite(own) &&
+         std::all_of(points.begin(), points.end(), [&](uint32_t p) { return std::isfinite(values_[p]); });
 }
 
 Tetrahedron MeshField::cornersOf(const Corners& cell) const {
@@ -117,13 +135,17 @@ BentCell MeshField::cornersOf(const Other& cell) const {
   return bent;
 }
 
-std::array<double, 4> MeshField::valuesOf(const Corners& cell) const {
-  return {values_[cell[0]], values_[cell[1]], values_[cell[2]], values_[cell[3]]};
+std::array<double, 4> MeshField::valuesOfTetrahedron(size_t cell) const {
+  std::array<double, 4> values{};
+  for (size_t k = 0; k < 4; k++)
+    values[k] = tetrahedronValues_.empty() ? values_[tetrahedra_[cell][k]] : tetrahedronValues_[cell];
+  return values;
 }
 
-OfCorners MeshField::valuesOf(const Other& cell) const {
+OfCorners MeshField::valuesOfOther(size_t cell) const {
   OfCorners values{};
-  for (size_t k = 0; k < shapeOf(cell.type).points; k++) values[k] = values_[cell.points[k]];
+  for (size_t k = 0; k < shapeOf(others_[cell].type).points; k++)
+    values[k] = otherValues_.empty() ? values_[others_[cell].points[k]] : otherValues_[cell];
   return values;
 }
 
@@ -134,24 +156,33 @@ std::vector<MeshSpan> MeshField::along(const Ray& ray, Interval range) const {
     std::vector<MeshSpan> spans;
   };
   std::vector<Part> parts;
+  const bool constant = !tetrahedronValues_.empty() || !otherValues_.empty();
   const auto isMet = [&](double t0, double t1) { return t1 > range.lo && t0 < range.hi; };
-  const auto alongTetrahedron = [&](const Corners& cell) {
-    const auto passage = passageThrough(cornersOf(cell), ray);
+  const auto alongTetrahedron = [&](size_t cell) {
+    const auto passage = passageThrough(cornersOf(tetrahedra_[cell]), ray);
     if (!passage) return;
     const auto& [front, back] = *passage;
     if (front.t == back.t || !isMet(front.t, back.t)) return;
-    const double value0 = front.mean(valuesOf(cell)), value1 = back.mean(valuesOf(cell));
+    const std::array<double, 4> values = valuesOfTetrahedron(cell);
+    const double value0 = constant ? values[0] : front.mean(values),
+                 value1 = constant ? values[0] : back.mean(values);
     const Cubic linear{{value0, mix(value0, value1, 1 / 3.0), mix(value0, value1, 2 / 3.0), value1}};
     parts.push_back({front.t, back.t, value0, value1, {{front.t, back.t, linear}}});
   };
-  const auto alongOther = [&](const Other& cell) {
-    const BentCell bent = cornersOf(cell);
-    const OfCorners values = valuesOf(cell);
-    const auto [low, high] = std::minmax_element(values.begin(), values.begin() + shapeOf(cell.type).points);
+  const auto alongOther = [&](size_t cell) {
+    const BentCell bent = cornersOf(others_[cell]);
+    const OfCorners values = valuesOfOther(cell);
+    const auto [low, high] = std::minmax_element(values.begin(), values.begin() + shapeOf(bent.type).points);
     const CellOnRay on(bent, ray);
     for (const CellPassage& passage : on.passages()) {
       if (passage.in.t == passage.out.t || !isMet(passage.in.t, passage.out.t)) continue;
       Part part{passage.in.t, passage.out.t, passage.in.mean(values), passage.out.mean(values), {}};
+      if (constant) {
+        part.spans.push_back(
+            {passage.in.t, passage.out.t, Cubic{{values[0], values[0], values[0], values[0]}}});
+        parts.push_back(std::move(part));
+        continue;
+      }
       for (const CellStretch& one : on.stretches(passage, values, kTolerance * (*high - *low)))
         if (isMet(one.t0, one.t1)) part.spans.push_back({one.t0, one.t1, one.value});
       parts.push_back(std::move(part));
@@ -161,9 +192,9 @@ std::vector<MeshSpan> MeshField::along(const Ray& ray, Interval range) const {
       ray, range.lo, [&] { return range.hi; },
       [&](uint32_t index) {
         if (index < tetrahedra_.size()) {
-          alongTetrahedron(tetrahedra_[index]);
+          alongTetrahedron(index);
         } else {
-          alongOther(others_[index - tetrahedra_.size()]);
+          alongOther(index - tetrahedra_.size());
         }
       });
   std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
@@ -185,17 +216,19 @@ MeshSurface MeshField::slice(const Plane& plane) const {
 
 MeshSurface MeshField::surface(const std::function<double(uint32_t)>& levelOf, LevelKind kind) const {
   std::vector<LevelCell> tetrahedra;
-  for (const Corners& cell : tetrahedra_) {
+  for (size_t cell = 0; cell < tetrahedra_.size(); cell++) {
     std::array<double, 4> levels;
-    for (size_t i = 0; i < 4; i++) levels[i] = levelOf(cell[i]);
-    if (isPassed(levels)) tetrahedra.push_back({cornersOf(cell), levels, valuesOf(cell)});
+    for (size_t i = 0; i < 4; i++) levels[i] = levelOf(tetrahedra_[cell][i]);
+    if (isPassed(levels))
+      tetrahedra.push_back({cornersOf(tetrahedra_[cell]), levels, valuesOfTetrahedron(cell)});
   }
   std::vector<LevelBentCell> others;
-  for (const Other& cell : others_) {
+  for (size_t cell = 0; cell < others_.size(); cell++) {
     OfCorners levels{};
-    const size_t n = shapeOf(cell.type).points;
-    for (size_t i = 0; i < n; i++) levels[i] = levelOf(cell.points[i]);
-    if (isPassed(std::span(levels).first(n))) others.push_back({cornersOf(cell), levels, valuesOf(cell)});
+    const size_t n = shapeOf(others_[cell].type).points;
+    for (size_t i = 0; i < n; i++) levels[i] = levelOf(others_[cell].points[i]);
+    if (isPassed(std::span(levels).first(n)))
+      others.push_back({cornersOf(others_[cell]), levels, valuesOfOther(cell)});
   }
   return MeshSurface(std::move(tetrahedra), std::move(others), kind);
 }

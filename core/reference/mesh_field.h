@@ -26,13 +26,14 @@ struct MeshSpan {
 };
 
 /// A scalar field on cells: one component of a mesh, or the magnitude of all its components, taken at the points. It is linear in a
-/// tetrahedron, and what BentCell says in other cells. Each cell is met by itself, so the order and the neighbours of cells have no
+/// tetrahedron, and what BentCell says in other cells. Of a mesh whose data are those of cells it may be constant in each cell instead;
+/// isosurfaces are then nevertheless those of the values at points. Cells whose own value is not finite have no data. Each cell is met by itself, so the order and the neighbours of cells have no
 /// effect. Immutable; safe to use from any thread.
 class MeshField {
  public:
-  /// Copies the cells of all blocks, each cell once even if several blocks have it. Throws Error for a component that the mesh has not,
-  /// and for a block with too few values.
-  MeshField(const Mesh& mesh, std::optional<int> component);
+  /// Copies the cells of all blocks, each cell once even if several blocks have it. `cells` is of no effect if the data are those of
+  /// points. Throws Error for a component that the mesh has not, and for a block with too few values.
+  MeshField(const Mesh& mesh, std::optional<int> component, CellsShown cells = CellsShown::Flat);
 
   /// Returns the parts of the ray in all cells that have data and that it meets in `range`, by the t at which it enters the cell. They
   /// are not cut at the ends of `range`. A tetrahedron has one part, in which the value is linear. Other cells have one or several: the
@@ -56,20 +57,29 @@ class MeshField {
     CellType type;
     std::array<uint32_t, 8> points{};
   };
-  void addCells(const MeshBlock& block, uint32_t firstPoint, std::vector<Corners>& tetrahedra,
-                std::vector<Other>& others) const;
+  /// Cells with their values: 0 if the data are those of points.
+  struct Cells {
+    std::vector<Corners> tetrahedra;
+    std::vector<Other> others;
+    std::vector<double> tetrahedronValues, otherValues;
+  };
+  void addCells(const Mesh& mesh, const MeshBlock& block, std::optional<int> component, uint32_t firstPoint,
+                Cells& cells) const;
   MeshSurface surface(const std::function<double(uint32_t point)>& levelOf, LevelKind kind) const;
-  bool haveData(std::span<const uint32_t> points) const;
+  bool haveData(std::span<const uint32_t> points, double own) const;
   Tetrahedron cornersOf(const Corners& cell) const;
   BentCell cornersOf(const Other& cell) const;
-  std::array<double, 4> valuesOf(const Corners& cell) const;
-  OfCorners valuesOf(const Other& cell) const;
+  /// What is shown at the corners of a cell, but by isosurfaces.
+  std::array<double, 4> valuesOfTetrahedron(size_t cell) const;
+  OfCorners valuesOfOther(size_t cell) const;
 
   std::vector<glm::dvec3> points_;
   std::vector<double> values_;
-  std::vector<Corners> tetrahedra_;  ///< those with data; their points ascend
-  std::vector<Other> others_;        ///< those with data
-  std::optional<Bvh> tree_;          ///< tetrahedra first
+  std::vector<Corners> tetrahedra_;        ///< those with data; their points ascend
+  std::vector<Other> others_;              ///< those with data
+  std::vector<double> tetrahedronValues_;  ///< of cells that are constant; else empty
+  std::vector<double> otherValues_;
+  std::optional<Bvh> tree_;  ///< tetrahedra first
   Box box_;
   double typicalLength_;
 };

@@ -74,6 +74,14 @@ void readComponent(const Found& found, Vis& vis) {
   vis.component = found.integer(kNonNegative);
 }
 
+constexpr const char *kFlatCells = "flat", *kSmoothCells = "smooth";
+
+void readCells(const Found& found, Vis& vis) {
+  const std::string how = found.text();
+  if (how != kFlatCells && how != kSmoothCells) found.fail("\"flat\" or \"smooth\"");
+  vis.cells = how == kFlatCells ? CellsShown::Flat : CellsShown::Smooth;
+}
+
 void readExtinctionMap(const Found& found, Vis& vis) {
   if (found.object.find("opacitymap")) {
     found.context.fail(found.value.at, "`extinctionmap`: given beside `opacitymap`; expected one of them");
@@ -141,6 +149,14 @@ std::vector<KeyRow<Vis>> whatKeys() {
       flagKey("volume rendering", &Vis::volumeRendering,
               "March through the volume; combines with `isovalues` and `slices`.")
           .only(kVolume),
+      customKey<Vis>(
+          "cells", "\"flat\" or \"smooth\"",
+          "How an unstructured volume whose data are those of cells is shown: each cell in its own value, or "
+          "mixed between averages at points. Isosurfaces are always those of the averages.",
+          readCells,
+          [](V v) { return v.cells == CellsShown::Smooth ? OrderedJson(kSmoothCells) : OrderedJson(); })
+          .only(kVolume)
+          .byDefault("`\"flat\"`"),
   };
 }
 

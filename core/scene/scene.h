@@ -73,6 +73,9 @@ struct OpacityMap {
   bool operator==(const OpacityMap&) const = default;
 };
 
+/// How the data of cells of an unstructured volume are shown: each cell in its own value, or as a continuous field of averages at points.
+enum class CellsShown : uint8_t { Flat, Smooth };
+
 enum class VisType : uint8_t { Volume, Particles, PathLines, Triangles };
 
 /// The plane normal . p = offset in world coordinates. The normal has any length but 0. A clip plane keeps
@@ -107,6 +110,7 @@ struct Vis {
   std::vector<Plane> clipPlanes;
   // Volume
   bool volumeRendering = false;
+  CellsShown cells = CellsShown::Flat;  ///< isosurfaces are always those of the averages
   std::vector<double> isovalues;
   std::vector<Plane> slices;
   /// Of samplings only: the distance (world units) between the places along a ray that it meets where the volume has data; 0:

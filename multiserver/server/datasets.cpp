@@ -72,8 +72,10 @@ json DatasetEvent::json() const {
 namespace {
 
 // What there is of a mesh, and what is remarkable in it.
-json told(const MeshReport& report) {
+json told(const Mesh& mesh) {
+  const MeshReport& report = mesh.report;
   json told{{"points", report.points}};
+  if (mesh.ofCells) told["values"] = "cells";
   uint64_t cells = 0;
   for (const uint64_t ofType : report.cells) cells += ofType;
   told["cells"] = cells;
@@ -90,7 +92,12 @@ json told(const MeshReport& report) {
   add("differing points", report.differingPoints);
   add("crowded faces", report.crowdedFaces);
   add("folded faces", report.foldedFaces);
+  add("inverted cells", report.invertedCells);
+  add("hanging points", report.hangingPoints);
+  add("split faces", report.splitFaces);
   add("points without data", report.noDataPoints);
+  add("cells without data", report.noDataCells);
+  add("differing cells", report.differingCells);
   return told;
 }
 
@@ -142,7 +149,7 @@ json Datasets::infoHere(const json& parameters) const {
   if (!std::isnan(d->time)) result["time"] = d->time;
   if (!d->provenance.filter.empty()) result["provenance"] = described(d->provenance);
   if (d->volume) result["points"] = d->volume->grid.points;
-  if (d->mesh) result["mesh"] = told(d->mesh->report);
+  if (d->mesh) result["mesh"] = told(*d->mesh);
   if (d->geometry) {
     result["primitives"] = d->geometry->primitives;
     if (!d->geometry->fields.empty()) result["fields"] = toldOf(d->geometry->fields);

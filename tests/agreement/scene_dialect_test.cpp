@@ -42,12 +42,19 @@ CompiledScene sceneOfAllKinds() {
   CompiledScene scene = *test.compile();
   // A mesh is the only volume that its scene renders, so it comes from another one.
   const auto bent = [](glm::dvec3 p) { return 0.05 * glm::sin(glm::dvec3(9.0 * p.y, 8.0 * p.z, 7.0 * p.x)); };
-  for (const MeshPiece& piece : {test::cubeOfTets(3, bent, waves), test::cubeOfAllCells(3, bent, waves)}) {
+  const auto holed = [](glm::dvec3 p) {
+    return p.x > 0.6 ? std::numeric_limits<double>::quiet_NaN() : waves(p);
+  };
+  const MeshPiece tets = test::cubeOfTets(3, bent, waves), all = test::cubeOfAllCells(3, bent, waves);
+  const auto ofCells = [&](const MeshPiece& piece) { return test::withCellValues(piece, holed); };
+  std::vector<MeshPiece> pieces{tets, all, ofCells(tets), ofCells(all), ofCells(tets), ofCells(all)};
+  for (size_t i = 0; i < pieces.size(); i++) {
     TestScene other = sceneFrom("mesh", {3, 2, 1}, 40, 40);
-    other.add(rendered({{-1, 0}, {0.2, 0.4}, {1, 0.8}}, -1, 1), test::meshInOnePiece(piece));
+    other.add(rendered({{-1, 0}, {0.2, 0.4}, {1, 0.8}}, -1, 1), test::meshInOnePiece(pieces[i]));
     Vis& cut = other.visualization.operators.back();
     cut.isovalues = {-0.2, 0.3};
     cut.slices = {{{1, 0.3, -0.2}, 0.1}};
+    if (i >= 4) cut.cells = CellsShown::Smooth;
     scene.operators.push_back(other.compile()->operators.at(0));
   }
   std::array<std::vector<double>, 3> faces;

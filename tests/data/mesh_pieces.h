@@ -21,11 +21,20 @@ inline std::array<double, 3> placeOf(const glm::dvec3& p) { return {p.x, p.y, p.
 inline MeshPiece someOf(const MeshPiece& all, size_t first, size_t last, std::mt19937& random) {
   MeshPiece some;
   some.components = all.components;
+  some.ofCells = all.ofCells;
   std::vector<uint32_t> points;
   for (size_t cell = first; cell < last; cell++) {
     const auto ids = all.cells.pointsOf(uint32_t(cell));
-    auto& to = some.cells.points[size_t(all.cells.typeOf(uint32_t(cell)))];
+    const CellType type = all.cells.typeOf(uint32_t(cell));
+    auto& to = some.cells.points[size_t(type)];
     to.insert(to.end(), ids.begin(), ids.end());
+    if (all.ofCells) {
+      const size_t place = cell - all.cells.first(type), each = size_t(all.components);
+      const auto values = all.cellValues[size_t(type)].begin() + std::ptrdiff_t(place * each);
+      auto& own = some.cellValues[size_t(type)];
+      own.insert(own.end(), values, values + std::ptrdiff_t(each));
+      some.duplicates[size_t(type)].push_back(all.duplicates[size_t(type)][place]);
+    }
     points.insert(points.end(), ids.begin(), ids.end());
   }
   std::sort(points.begin(), points.end());
@@ -36,7 +45,7 @@ inline MeshPiece someOf(const MeshPiece& all, size_t first, size_t last, std::mt
     numberOf.emplace(p, uint32_t(some.points.size()));
     some.points.push_back(all.points[p]);
     some.numbers.push_back(all.numbers[p]);
-    for (int c = 0; c < all.components; c++)
+    for (int c = 0; c < all.components && !all.ofCells; c++)
       some.values.push_back(all.values[p * size_t(all.components) + size_t(c)]);
   }
   for (auto& cells : some.cells.points)
@@ -50,22 +59,41 @@ inline MeshPiece shuffled(const MeshPiece& all, std::mt19937& random) {
   for (const CellType type : kAllCellTypes) {
     const size_t n = shapeOf(type).points;
     const std::vector<uint32_t>& ids = all.cells.points[size_t(type)];
-    std::vector<std::vector<uint32_t>> cells;
-    for (auto at = ids.begin(); at != ids.end(); at += std::ptrdiff_t(n)) {
-      cells.emplace_back(at, at + std::ptrdiff_t(n));
-      if (type == CellType::Tetrahedron) std::shuffle(cells.back().begin(), cells.back().end(), random);
+    struct Cell {
+      std::vector<uint32_t> points;
+      std::vector<float> values;
+      uint8_t duplicate;
+    };
+    std::vector<Cell> cells;
+    const auto each = size_t(all.ofCells ? all.components : 0);
+    for (size_t i = 0; i < ids.size() / n; i++) {
+      const auto at = ids.begin() + std::ptrdiff_t(i * n);
+      const auto values = all.cellValues[size_t(type)].begin() + std::ptrdiff_t(i * each);
+      cells.push_back({{at, at + std::ptrdiff_t(n)},
+                       {values, values + std::ptrdiff_t(each)},
+                       all.ofCells ? all.duplicates[size_t(type)][i] : uint8_t(0)});
+      if (type == CellType::Tetrahedron)
+        std::shuffle(cells.back().points.begin(), cells.back().points.end(), random);
     }
     std::shuffle(cells.begin(), cells.end(), random);
     std::vector<uint32_t>& to = mesh.cells.points[size_t(type)];
     to.clear();
-    for (const auto& cell : cells) to.insert(to.end(), cell.begin(), cell.end());
+    mesh.cellValues[size_t(type)].clear();
+    mesh.duplicates[size_t(type)].clear();
+    for (const Cell& cell : cells) {
+      to.insert(to.end(), cell.points.begin(), cell.points.end());
+      if (!all.ofCells) continue;
+      auto& values = mesh.cellValues[size_t(type)];
+      values.insert(values.end(), cell.values.begin(), cell.values.end());
+      mesh.duplicates[size_t(type)].push_back(cell.duplicate);
+    }
   }
   return mesh;
 }
 
 inline bool areEqual(const MeshBlock& a, const MeshBlock& b) {
   return a.points == b.points && a.values == b.values && a.cells.points == b.cells.points &&
-         a.neighbours == b.neighbours && a.shell == b.shell;
+         a.cellValues == b.cellValues && a.neighbours == b.neighbours && a.shell == b.shell;
 }
 
 /// The cells of a block, as connect() takes them.

@@ -65,8 +65,8 @@ inline void expectSameBlocks(const std::map<int, MeshBlock>& a, const std::map<i
   for (const auto& [partition, block] : a) {
     const MeshBlock& other = b.at(partition);
     EXPECT_TRUE(block.points == other.points && block.cells.points == other.cells.points &&
-                block.values == other.values && block.neighbours == other.neighbours &&
-                block.shell == other.shell)
+                block.values == other.values && block.cellValues == other.cellValues &&
+                block.neighbours == other.neighbours && block.shell == other.shell)
         << partition;
   }
 }

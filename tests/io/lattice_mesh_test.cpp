@@ -302,12 +302,19 @@ TEST(LatticeMesh, FlatGridsHaveNoVolume) {
   expectText(errorOfFile(folder / "point.vtr"), "it has vertices (1)");
 }
 
-TEST(LatticeMesh, ValuesOfCellsAreRefused) {
+TEST(LatticeMesh, ValuesOfCellsAreReadAndMissingArraysListed) {
   const TemporaryFolder folder;
   for (const bool isCurved : {true, false}) {
+    GridFile grid = hexahedraOf(isCurved);
+    grid.cellArrays = {{"flux", "Float32", 1, {}}};
+    for (size_t cell = 0; cell < grid.cells.size(); cell++) grid.cellArrays[0].values.push_back(double(cell));
+    writeText(folder / "grid.vtu", grid.vtu());
+    const Imported expected = import(folder / "grid.vtu", "flux");
     const std::string path = folder / (std::string("grid") + endingOf(isCurved));
     writeLattice(isCurved, kAll, path);
-    expectText(errorOfFile(path, "flux"), "no array 'flux' of points, and 'flux' is one of cells");
+    for (const int ranks : {1, 3}) expectSame(import(path, "flux", ranks), expected, ranks);
+    EXPECT_TRUE(expected.mesh.ofCells);
+    EXPECT_EQ(expected.mesh.ranges, (std::vector<Range>{{0, double(kAllCells - 1)}}));
     expectText(errorOfFile(path, "none"), "of points the file has 'value', of cells 'flux'");
   }
 }

@@ -225,7 +225,7 @@ TEST(MeshData, ImportsThatFailLeaveNothing) {
   server.expectError(MeshServer::import("m", "prism.vtu"), "pentagonal prisms (1); expected tetrahedra, ");
   server.expectError(MeshServer::import("m", "flat.vtu"), "it has no cells with a volume");
   server.expectError(MeshServer::import("m", "cube.vtu", R"(, "array": "none")"),
-                     "no array 'none' of points");
+                     "no array 'none' of points or cells");
   server.expectError(MeshServer::import("m", "lattice.vts"), "element <StructuredGrid> is missing");
   server.expectError(MeshServer::import("m", "surface.vtp"), "this kind of file cannot be read as a volume");
   EXPECT_TRUE(server.client->expect("list").at("datasets").empty());

@@ -118,6 +118,7 @@ class RandomState {
     out.opacity = unit();
     out.clipPlanes = planes();
     out.volumeRendering = coin();
+    out.cells = coin() ? CellsShown::Flat : CellsShown::Smooth;
     for (int i = 0, n = integer(0, 3); i < n; ++i) out.isovalues.push_back(any());
     out.slices = planes();
     out.radius0 = any(), out.radius1 = any(), out.value0 = any(), out.value1 = any();

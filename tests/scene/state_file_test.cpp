@@ -52,6 +52,13 @@ TEST(StateFile, OperatorKeys) {
   EXPECT_FALSE(readVis(R"("component": "magnitude")").component);
 }
 
+TEST(StateFile, CellsAreFlatOrSmooth) {
+  EXPECT_EQ(readVis(R"("volume rendering": true)").cells, CellsShown::Flat);
+  EXPECT_EQ(readVis(R"("cells": "flat")").cells, CellsShown::Flat);
+  EXPECT_EQ(readVis(R"("cells": "smooth")").cells, CellsShown::Smooth);
+  for (const char* wrong : {R"("cells": "Smooth")", R"("cells": "")"}) EXPECT_THROW(readVis(wrong), Error);
+}
+
 TEST(StateFile, GeometryMayShowAnotherArray) {
   const StateFile file = read(R"({"Datasets": {"name": "p", "type": "Particles", "filename": "a.vtp",
     "fields": ["velocity", "age"]}, "Visualization": {"operators": [

@@ -90,11 +90,19 @@ std::vector<std::shared_ptr<const Mesh>> cut(const WholeMesh& whole, const Parti
     MeshPiece read = whole.cells;
     for (const CellType type : kAllCellTypes) {
       std::vector<uint32_t> kept;
+      std::vector<float> values;
+      const auto each = size_t(whole.cells.components);
       const auto& cells = whole.cells.cells.points[size_t(type)];
       const size_t corners = shapeOf(type).points, step = corners * size_t(ranks);
-      for (size_t first = corners * size_t(mine.rank()); first < cells.size(); first += step)
+      for (size_t first = corners * size_t(mine.rank()); first < cells.size(); first += step) {
         kept.insert(kept.end(), cells.begin() + ptrdiff_t(first), cells.begin() + ptrdiff_t(first + corners));
+        if (!read.ofCells) continue;
+        const auto own = whole.cells.cellValues[size_t(type)].begin() + ptrdiff_t(first / corners * each);
+        values.insert(values.end(), own, own + ptrdiff_t(each));
+      }
+      read.duplicates[size_t(type)].assign(read.ofCells ? kept.size() / corners : 0, 0);
       read.cells.points[size_t(type)] = std::move(kept);
+      read.cellValues[size_t(type)] = std::move(values);
     }
     const auto mesh = std::make_shared<Mesh>(describedMesh(whole.cells, whole.shift, whole.scale));
     MeshBlockCounts counts;

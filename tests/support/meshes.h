@@ -38,6 +38,45 @@ MeshPiece cubeOfTets(uint32_t n, Move&& move, Value&& value) {
   return mesh;
 }
 
+/// The cells of both, with points of their own and values at these.
+inline MeshPiece joined(MeshPiece a, const MeshPiece& b) {
+  const auto before = uint32_t(a.points.size());
+  a.points.insert(a.points.end(), b.points.begin(), b.points.end());
+  a.values.insert(a.values.end(), b.values.begin(), b.values.end());
+  for (const uint64_t number : b.numbers) a.numbers.push_back(before + number);
+  for (size_t type = 0; type < kCellTypes; type++)
+    for (const uint32_t corner : b.cells.points[type]) a.cells.points[type].push_back(before + corner);
+  return a;
+}
+
+/// The mean of the corners of each cell of a type.
+inline std::vector<glm::dvec3> centresOf(const MeshPiece& piece, CellType type) {
+  const std::vector<uint32_t>& cells = piece.cells.points[size_t(type)];
+  const size_t n = shapeOf(type).points;
+  std::vector<glm::dvec3> centres;
+  for (size_t at = 0; at < cells.size(); at += n) {
+    glm::dvec3 sum(0);
+    for (size_t i = 0; i < n; i++) sum += piece.points[cells[at + i]];
+    centres.push_back(sum / double(n));
+  }
+  return centres;
+}
+
+/// The same cells with the stored value value(centre) each, in place of values at points.
+template <class Value>
+MeshPiece withCellValues(MeshPiece piece, Value&& value) {
+  piece.ofCells = true;
+  piece.components = 1;
+  piece.values.clear();
+  for (const CellType type : kAllCellTypes) {
+    auto& values = piece.cellValues[size_t(type)];
+    values.clear();
+    for (const glm::dvec3& centre : centresOf(piece, type)) values.push_back(float(value(centre)));
+    piece.duplicates[size_t(type)].assign(values.size(), 0);
+  }
+  return piece;
+}
+
 /// A mesh without blocks, with ranges, a box and a number of components.
 inline Mesh describedMesh(const MeshPiece& piece, double shift = 0, double scale = 1) {
   Mesh mesh;
@@ -46,15 +85,20 @@ inline Mesh describedMesh(const MeshPiece& piece, double shift = 0, double scale
   mesh.shift = shift, mesh.scale = scale;
   const auto n = size_t(piece.components);
   mesh.ranges.resize(n > 1 ? n + 1 : 1);
-  for (size_t p = 0; p < piece.points.size(); p++) {
-    double squares = 0;
-    for (size_t c = 0; c < n; c++) {
-      const double value = shift + scale * double(piece.values[p * n + c]);
-      mesh.ranges[c].extend(value);
-      squares += value * value;
+  mesh.ofCells = piece.ofCells;
+  const auto extend = [&](const std::vector<float>& values) {
+    for (size_t p = 0; p < values.size() / n; p++) {
+      double squares = 0;
+      for (size_t c = 0; c < n; c++) {
+        const double value = shift + scale * double(values[p * n + c]);
+        mesh.ranges[c].extend(value);
+        squares += value * value;
+      }
+      if (n > 1) mesh.ranges[n].extend(std::sqrt(squares));
     }
-    if (n > 1) mesh.ranges[n].extend(std::sqrt(squares));
-  }
+  };
+  extend(piece.values);
+  for (const auto& values : piece.cellValues) extend(values);
   for (const auto& cells : piece.cells.points)
     for (const uint32_t p : cells) mesh.box.extend(piece.points[p]);
   return mesh;

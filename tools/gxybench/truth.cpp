@@ -78,6 +78,7 @@ void addMesh(Hash& hash, const Mesh& mesh) {
   for (const auto& [p, block] : mesh.blocks) {
     hash.add(block.points), hash.add(block.values);
     for (const auto& cells : block.cells.points) hash.add(cells);
+    if (mesh.ofCells) hash.add(block.cellValues);
   }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/gxyrender/load.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -12,6 +14,7 @@
 #include "core/io/import_geometry.h"
 #include "core/io/import_mesh.h"
 #include "core/io/import_volume.h"
+#include "core/rays/compiled_mesh.h"
 #include "core/scene/dataset_type.h"
 
 namespace gxy {
@@ -290,6 +293,7 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   const EnterMemory enter = [&ledger](const char* purpose, int64_t bytes) {
     return ledger.enter(kTenant, purpose, bytes);
   };
+  std::set<std::string> told;
   for (size_t v = 0; v < state.visualizations.size(); v++) {
     const Visualization kept = loaded.withKeptComponents(state.visualizations[v]);
     auto& list = loaded.data.emplace_back();
@@ -301,6 +305,8 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
         data.volume = d.volume;
       } else if (d.mesh) {
         data.mesh = d.mesh;
+        const auto warning = warningOf(op, *d.mesh);
+        if (warning && ranks.rank() == 0 && told.insert(*warning).second) spdlog::warn("{}", *warning);
       } else {
         loaded.geometry.push_back(
             distributed.get({op.dataset, d.geometry}, op, *loaded.partitioning, ranks, enter));

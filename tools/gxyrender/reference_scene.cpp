@@ -55,7 +55,8 @@ reference::ReferenceScene referenceScene(const Visualization& visualization,
       scene.data.emplace_back(data[i].volume);
       storeFieldVis(vis, data[i].volume->shift, data[i].volume->scale);
     } else if (data[i].mesh) {
-      scene.data.emplace_back(std::make_shared<const reference::MeshField>(*data[i].mesh, vis.component));
+      scene.data.emplace_back(
+          std::make_shared<const reference::MeshField>(*data[i].mesh, vis.component, vis.cells));
       storeFieldVis(vis, data[i].mesh->shift, data[i].mesh->scale);
     } else {
       scene.data.emplace_back(data[i].geometry);

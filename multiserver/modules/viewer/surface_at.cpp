@@ -101,9 +101,10 @@ class Field {
   const std::optional<int> component_;
 };
 
-/// Calls found(surface) for the isosurfaces and slices near the point, given the value and the gradient there.
+/// Calls found(surface) for the isosurfaces and slices near the point, given the value and the gradient there, and what slices show.
 template <class Found>
-void foundIn(const Vis& vis, double value, glm::dvec3 gradient, glm::dvec3 point, const Found& found) {
+void foundIn(const Vis& vis, double value, glm::dvec3 gradient, double onSlices, glm::dvec3 point,
+             const Found& found) {
   const double slope = glm::length(gradient);
   for (size_t i = 0; i < vis.isovalues.size(); i++)
     if (slope > 0)
@@ -112,7 +113,7 @@ void foundIn(const Vis& vis, double value, glm::dvec3 gradient, glm::dvec3 point
     const Plane& slice = vis.slices[i];
     const double length = glm::length(slice.normal);
     found({std::abs(glm::dot(slice.normal, point) - slice.offset) / length, 0, vis.isovalues.size() + i,
-           value, slice.normal / length});
+           onSlices, slice.normal / length});
   }
 }
 
@@ -121,15 +122,16 @@ template <class Found>
 void ofVolume(const Vis& vis, const Volume& volume, glm::dvec3 point, const Found& found) {
   for (const auto& [partition, block] : volume.blocks) {
     const auto here = Field(volume, block, vis.component).at(point);
-    if (here) foundIn(vis, here->value, here->gradient, point, found);
+    if (here) foundIn(vis, here->value, here->gradient, here->value, point, found);
   }
 }
 
-/// The true value that an operator shows of a point of a mesh.
-double shownValue(const Mesh& mesh, const MeshBlock& block, size_t point, std::optional<int> component) {
+/// The true value that an operator shows of a point, or a cell, of a mesh, given the stored values of all.
+double shownValue(const Mesh& mesh, const std::vector<float>& values, size_t place,
+                  std::optional<int> component) {
   const auto components = size_t(mesh.components);
   const auto value = [&](size_t c) {
-    return mesh.shift + mesh.scale * double(block.values[point * components + c]);
+    return mesh.shift + mesh.scale * double(values[place * components + c]);
   };
   if (component || components == 1) return value(size_t(component.value_or(0)));
   double squares = 0;
@@ -187,10 +189,14 @@ void ofMesh(const Vis& vis, const Mesh& mesh, glm::dvec3 point, const Found& fou
     for (size_t cell = 0; cell < cells.size(); cell++) {
       const auto points = cells.pointsOf(cell);
       const auto corner = [&](size_t k) { return block.points[points[k]]; };
-      const auto value = [&](size_t k) { return shownValue(mesh, block, points[k], vis.component); };
+      const auto value = [&](size_t k) { return shownValue(mesh, block.values, points[k], vis.component); };
       const auto here =
           cells.corners == 4 ? inTetrahedron(point, corner, value) : inHexahedron(point, corner, value);
-      if (here && std::isfinite(here->value)) foundIn(vis, here->value, here->gradient, point, found);
+      if (!here || !std::isfinite(here->value)) continue;
+      const double own = mesh.ofCells ? shownValue(mesh, block.cellValues, cell, vis.component) : here->value;
+      if (!std::isfinite(own)) continue;
+      foundIn(vis, here->value, here->gradient, vis.cells == CellsShown::Flat ? own : here->value, point,
+              found);
     }
   }
 }

@@ -7,6 +7,8 @@
 #include <set>
 
 #include "core/comm/error.h"
+#include "core/data/dataset.h"
+#include "core/rays/compiled_mesh.h"
 #include "core/scene/camera.h"
 #include "core/scene/json_text.h"
 #include "core/scene/state_file.h"
@@ -133,15 +135,24 @@ json windowVerb(Services& services, Request& request, Arguments arguments) {
   return {{"window", id}, {"size", {settings.size.x, settings.size.y}}};
 }
 
-// Of data that no document can import, as those of filters, or whose document has no file for them.
-void warnOfMissing(Request& request, const Visualization& visualization, std::vector<std::string>& warnings) {
-  const Datasets& datasets = *request.session().serverRank().datasets;
+// Of data that no document can import, as those of filters, or whose document has no file for them; and of what data cannot show.
+void warnOfData(Request& request, const Visualization& visualization, std::vector<std::string>& warnings) {
+  ServerRank& serverRank = request.session().serverRank();
   std::set<std::string> told;
-  for (const Vis& vis : visualization.operators)
-    if (!datasets.find(request.session().tenant(), vis.dataset) && told.insert(vis.dataset).second)
+  for (const Vis& vis : visualization.operators) {
+    const auto found = serverRank.datasets->find(request.session().tenant(), vis.dataset);
+    if (!found && told.insert(vis.dataset).second)
       warnings.push_back("dataset " + inQuotes(vis.dataset) +
                          ": there is none that you see and the document has no file for it, expected one of "
                          "this name before a frame is rendered");
+    if (!found || vis.type != VisType::Volume) continue;
+    try {
+      const auto dataset = serverRank.objects.pin(found->key).get<Dataset>();
+      const auto warning = dataset->mesh ? warningOf(vis, *dataset->mesh) : std::nullopt;
+      if (warning && told.insert(*warning).second) warnings.push_back(*warning);
+    } catch (const Error&) {  // dropped meanwhile
+    }
+  }
 }
 
 json set(Request& request, Arguments arguments) {
@@ -159,7 +170,7 @@ json set(Request& request, Arguments arguments) {
   }
   if (!file.state.cameras.empty()) validate(file.state.cameras[0]);
   for (std::string& w : importMissing(request, file.state.datasets)) file.warnings.push_back(std::move(w));
-  if (!visualizations.empty()) warnOfMissing(request, visualizations[0], file.warnings);
+  if (!visualizations.empty()) warnOfData(request, visualizations[0], file.warnings);
   if (file.hasRenderer) window->setRenderer(file.state.settings);
   if (!visualizations.empty()) window->setVisualization(visualizations[0], std::move(memory));
   if (!file.state.cameras.empty()) window->setCamera(file.state.cameras[0]);
