@@ -112,6 +112,11 @@ double MeshReader::value(const MeshPlace& place, int component) const {
   const auto n = size_t(mesh_.components);
   reference::OfCorners corners{};
   double finite = 0;
+  if (!place.block->cellValues.empty())
+    for (size_t c = 0; c < n; c++) {
+      const float own = place.block->cellValues[place.cell * n + c];
+      finite += double(own - own);
+    }
   for (size_t k = 0; k < points.size(); k++) {
     const auto valueOf = [&](size_t c) {
       return mesh_.shift + mesh_.scale * double(place.block->values[points[k] * n + c]);

@@ -36,7 +36,8 @@ class MeshReader {
   /// Returns the place of a world point that lies in a partition of this rank. If the point is in several cells, as on a face, it is the
   /// cell with the lowest number, which is the same one on any partitioning. Returns nothing for a point in no cell.
   std::optional<MeshPlace> place(int partition, glm::dvec3 world) const;
-  /// Returns the value of a component, or the magnitude of all for -1. NaN in a cell with a point whose value is NaN or infinite.
+  /// Returns the value of a component, or the magnitude of all for -1. Of data of cells it is made of their averages at points. NaN in a
+  /// cell with a point whose value is NaN or infinite, or with such a value of its own.
   double value(const MeshPlace& place, int component) const;
 
  private:
