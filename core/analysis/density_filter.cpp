@@ -116,7 +116,8 @@ FilterInfo DensitySampler::info() {
           "n of them are the points "
           "for a smaller `count`.",
           {{"field", kVolumes, "The field."},
-           {"values", kVolumes | kUnstructured, "Further volumes whose values the points get.", FilterPort::Count::Any}},
+           {"values", kVolumes | kUnstructured, "Further volumes whose values the points get.",
+            FilterPort::Count::Any}},
           DatasetType::Particles};
 }
 

@@ -137,6 +137,10 @@ FilterResult Resample::run(FilterRun& run) const {
   run.begin(0, 2, "values");
   agree(ranks, [&] {
     const Box all = box.value_or(field.box());
+    for (int a = 0; a < 3 && !like; a++)
+      if (!(all.hi[a] > all.lo[a]))
+        throw Error("Resample: " + inQuotes(run.input("field").name) +
+                    " has no cells or is flat, expected a `box` with a volume or a volume `like`");
     volume->name = field.mesh ? field.mesh->name : field.volume->name;
     volume->components = field.components();
     if (like) {

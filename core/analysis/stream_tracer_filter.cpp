@@ -121,7 +121,8 @@ FilterInfo StreamTracer::info() {
        {"seeds", kParticles, "Where lines begin."},
        {"field", kVolumes, "A field of one component on the same grid, for `where` and `color by`.",
         FilterPort::Count::Optional},
-       {"fields", kVolumes | kUnstructured, "Volumes on any grids whose values the points get.", FilterPort::Count::Any}},
+       {"fields", kVolumes | kUnstructured, "Volumes on any grids whose values the points get.",
+        FilterPort::Count::Any}},
       DatasetType::PathLines};
 }
 

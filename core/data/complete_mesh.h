@@ -56,8 +56,7 @@ int64_t bytesOf(const MeshLayout& layout);
 
 /// Collective. The cells go into every partition that they touch. Fills all but the mesh's name, and of its report what distribute()
 /// counts. There may be no cells. `layout`, if not null, becomes that of further meshes on the same points and cells, whose values are
-/// at points. `toTake`: as in
-/// distribute(). If any rank fails, all throw the same Error.
+/// at points. `toTake`: as in distribute(). If any rank fails, all throw the same Error.
 Mesh completeMesh(EncodedMesh read, const Partitioning& partitioning, Collectives& ranks,
                   const ToTake& toTake = {}, MeshLayout* layout = nullptr);
 

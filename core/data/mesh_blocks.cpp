@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -352,10 +353,12 @@ class BlockMaker {
     for (const CellType type : kAllCellTypes) {
       const std::vector<uint32_t>& cells = cells_.points[size_t(type)];
       const auto n = std::ptrdiff_t(shapeOf(type).points);
-      for (auto at = cells.begin(); at != cells.end(); at += n, cell++)
-        counts_.noDataCells +=
-            sources_.isHere[*std::min_element(at, at + n)] &&
-            lacksData(cellValues_.data() + cell * size_t(piece_.components), piece_.components);
+      for (auto at = cells.begin(); at != cells.end(); at += n, cell++) {
+        float* const values = cellValues_.data() + cell * size_t(piece_.components);
+        if (!lacksData(values, piece_.components)) continue;
+        counts_.noDataCells += sources_.isHere[*std::min_element(at, at + n)];
+        std::fill_n(values, piece_.components, std::numeric_limits<float>::quiet_NaN());
+      }
     }
     std::vector<uint32_t> here;
     for (uint32_t p = 0; p < points_.size() && partitioning_.partitions() > 1; p++)

@@ -30,7 +30,8 @@ struct OperatorView {
   int wide;           // 1: an array of a mesh has 2^31 bytes or more, and needs 64-bit offsets
   PTR(real) points;   // x y z radius; of a mesh: x y z value
   PTR(real) normals;  // x y z per point, or null
-  PTR(real) values;   // per point, or null; of a mesh: per cell, or null, and cells whose value is not finite are not seen
+  PTR(real)
+  values;  // per point, or null; of a mesh: per cell, or null, and cells whose value is not finite are not seen
   int constantCells;  // 1: a cell of a mesh has its value everywhere
   PTR(real) colors;   // r g b per point, or null
   PTR(uint) indices;  // 2 or 3 per primitive; of a mesh: 4 per tetrahedron, which ascend, or 8 per hexahedron

@@ -194,7 +194,8 @@ void compileMesh(CompiledOperator& op, const CompiledScene& scene) {
   Range stored = mesh.ranges.at(size_t(op.summary));
   if (!stored.empty())
     stored = {(stored.min - mesh.shift) / mesh.scale, (stored.max - mesh.shift) / mesh.scale};
-  if (!shows(op.map, stored)) op.vis.volumeRendering = false;  // nothing of the mesh would be seen
+  // Nothing of the mesh would be seen. Averages of cells may be outside of the cells' range, as ghosts count for them.
+  if (!mesh.ofCells && !shows(op.map, stored)) op.vis.volumeRendering = false;
   for (const double v : op.vis.isovalues) op.isovalues.push_back(float((v - mesh.shift) / mesh.scale));
 }
 

@@ -209,8 +209,9 @@ Values latticePositions(const Values& planes, Lattices& lattices, std::shared_pt
   }
   Values values{planes.path, planes.name, false, {}};
   for (size_t a = 0; a < 3; a++)
-    values.components.push_back({reinterpret_cast<const std::byte*>(known.points->data() + a), GXY_FLOAT64,
-                                 int64_t(known.points->size() / 3), 3 * sizeof(double)});
+    values.components.push_back(
+        {known.points->empty() ? nullptr : reinterpret_cast<const std::byte*>(known.points->data() + a),
+         GXY_FLOAT64, int64_t(known.points->size() / 3), 3 * sizeof(double)});
   made = known.points;
   return values;
 }

@@ -10,6 +10,7 @@
 #include "core/data/bricks.h"
 #include "tests/analysis/filter_setup.h"
 #include "tests/support/cell_meshes.h"
+#include "tests/support/meshes.h"
 
 namespace gxy::test {
 namespace {
@@ -97,6 +98,36 @@ TEST(MeshValues, InHolesAndWithoutDataAreNothingAndAreCounted) {
   EXPECT_FLOAT_EQ(made.points.at(4).value, float(linear({0.5, 0.4, 0.4}))) << "the hole's face has a cell";
   EXPECT_EQ(made.told.at("outside"), 2);
   EXPECT_EQ(made.told.at("no data"), 1);
+}
+
+TEST(MeshValues, OfCellsAreAveragesButNotInACellWithoutAValue) {
+  WholeMesh whole = bentMesh(4);
+  whole.cells = withCellValues(std::move(whole.cells), linear);
+  const MadePoints made =
+      interpolated(whole, lattice(unitBox(), {2, 2, 2}, 3), R"({"shape": "box", "count": 500, "seed": 7})");
+  ASSERT_EQ(made.points.size(), 500u) << made.error;
+  for (const auto& [id, p] : made.points)
+    if (glm::all(glm::greaterThan(p.point, glm::dvec3(0.3))) &&
+        glm::all(glm::lessThan(p.point, glm::dvec3(0.7))))
+      EXPECT_NEAR(p.value, linear(p.point), 1e-4);
+  EXPECT_EQ(made.told.at("no data"), 0);
+  for (auto& values : whole.cells.cellValues)
+    for (float& value : values) value = std::numeric_limits<float>::quiet_NaN();
+  const MadePoints none =
+      interpolated(whole, lattice(unitBox(), {2, 1, 1}, 2), R"({"shape": "box", "count": 50, "seed": 7})");
+  EXPECT_EQ(none.told.at("no data"), 50);
+}
+
+TEST(MeshValues, OfAFlatMeshAreNotResampledWithoutABox) {
+  WholeMesh whole = bentMesh(2);
+  for (glm::dvec3& p : whole.cells.points) p.z = 0.5;
+  const Cut cut = test::whole(unitBox());
+  ThreadRanks world(1);
+  const auto errors = world.run([&](Collectives& ranks) {
+    FilterRun run(ranks, {{"field", {{"f", {}, 1, datasetOf(whole, cut, 0)}}}}, freeServices());
+    evaluate(*makeFilter<Resample>(), run, "{}");
+  });
+  EXPECT_NE(errors[0].find("\"f\" has no cells or is flat"), std::string::npos) << errors[0];
 }
 
 TEST(MeshValues, OnAGridAreWhatResampleMakes) {

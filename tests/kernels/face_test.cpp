@@ -81,7 +81,8 @@ class Walker {
     const auto c = corners(id);
     const glm::vec3 &p = points_[c[0]], &q = points_[c[1]], &r = points_[c[2]];
     float a, b, w;
-    single::triangleShares(p, q, r, single::sideOf(q, r), single::sideOf(r, p), single::sideOf(p, q), a, b, w);
+    single::triangleShares(p, q, r, single::sideOf(q, r), single::sideOf(r, p), single::sideOf(p, q), a, b,
+                           w);
     const float depth = single::meanOf(a, b, w, p.z, q.z, r.z);
     return depth * perDepth_;
   }

@@ -267,16 +267,6 @@ class Particles(unittest.TestCase):
         self.wrong("expected .'speed'. as before", structures["x"], structures["id"])
         self.wrong("other ids or another box", structures["x"], speed=structures["speed"])
 
-    def test_cells_with_a_volume_have_fields_of_points(self):
-        corners, types, ends = np.array([0, 1, 2, 3, 0, 1, 2, 3, 4]), np.array([10, 14], "u1"), np.array([0, 4, 9])
-        self.sim.cells("surface", self.positions, corners, types, ends)
-        with self.assertRaisesRegex(ValueError, 'cells "surface": cells with a volume without a field, expected one or more'):
-            self.sim.publish(1, 0)
-        self.sim.cells("surface", self.positions, np.array([[0, 1, 2, 3, 4]], "i4"), 14, height=np.zeros(5))
-        self.assertEqual(self.sim.publish(1, 0), Result.LOST)
-        self.sim.cells("surface", self.positions, corners, types, ends, height=np.zeros(5))
-        self.assertEqual(self.sim.publish(2, 0), Result.LOST)
-
     def test_their_arrays_live_as_long_as_they_are_read(self):
         positions, speed = np.zeros((5, 3)), np.zeros(5)
         alive = weakref.ref(positions), weakref.ref(speed)
