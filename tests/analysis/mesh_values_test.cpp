@@ -2,6 +2,7 @@
 // Values of unstructured volumes at points: Interpolate and Resample.
 #include <cmath>
 #include <cstring>
+#include <glm/vector_relational.hpp>
 
 #include "core/analysis/interpolate_filter.h"
 #include "core/analysis/mesh_reader.h"
