@@ -147,7 +147,10 @@ FN real stepPositionError(MapMean m, UNIFORM bool bows, real s0, real middle, re
   real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
   if (m.sigma > R(0.0)) change = max(change, min(abs(m.sigmaFront - m.sigmaBack) / m.sigma, R(1.0)));
   real error = bow < rise ? change * (bow / rise) : change;
-  if (bows) error = max(error, R(2.0) * bow < rise ? R(2.0) * bow / rise : R(1.0));
+  if (bows && m.sigma > R(0.0)) {
+    real spread = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack)) / m.sigma;
+    error = max(error, min(spread, R(1.0)) * (R(2.0) * bow < rise ? R(2.0) * bow / rise : R(1.0)));
+  }
   return error;
 }
 

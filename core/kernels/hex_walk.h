@@ -50,7 +50,8 @@ FN real errorAllowed(MAP map, real low, real high, real length, real range, real
   MapMean m = meanAlong(map, low, high);
   real tau = min(m.sigma * length, R(1.0));
   real allowed = R(0.25) * tMin * (high - low) / max(tau, R(1e-30));
-  return clamp1(allowed, R(1e-6) * range, R(0.05) * range);
+  real rounding = max(R(1e-6) * range, R(2.5e-7) * max(abs(low), abs(high)));
+  return max(min(allowed, R(0.05) * range), rounding);
 }
 
 // Integrates the part from uFrom to uTo of the way through a hexahedron, from p to q, whose reference coordinates are `at` and `last`.
@@ -92,7 +93,7 @@ FN bool integrateInHexahedron(MAP map, Hexahedron h, UNIFORM bool constant, real
       } else {
         lies = curveInMap(map, curve);
         real a = clamp1((uFrom - u) / step, R(0.0), R(1.0)), b = clamp1((uTo - u) / step, R(0.0), R(1.0));
-        if (lies.seen && b > a) addPart(map, curve, true, lies, a, b, span * step, tMin, rgb, A);
+        if (lies.seen && b > a) addPart(map, curve, !constant, lies, a, b, span * step, tMin, rgb, A);
         u += step;
         from = to;
         place = then;

@@ -197,7 +197,6 @@ TEST(MeshData, WhatTakesNoMeshesSaysSo) {
       {R"({"name": "x", "filter": "Derive", "inputs": {"f": "m"}, "expression": "2 * f"})",
        R"({"filter": "Statistics", "inputs": {"field": "m"}})",
        R"json({"filter": "Number", "inputs": {"f": "m"}, "expression": "max(f)"})json",
-       R"({"name": "x", "filter": "Seeds", "inputs": {"domain": "m"}, "shape": "sphere", "count": 9, "radius": 1})",
        R"({"name": "x", "filter": "Resample", "inputs": {"field": "ball", "like": "m"}})",
        R"({"name": "x", "filter": "IsosurfaceSampler", "inputs": {"field": "m"}, "isovalue": 1, "count": 9})",
        R"({"name": "x", "filter": "RaySampler", "inputs": {"f": "m"},

@@ -203,7 +203,7 @@ TEST(Pick, SurfacesOfUnstructuredVolumesAreFoundInTheirCells) {
 // Two cubes beside each other with the values 2 and 3.
 TEST(Pick, CellsHaveTheirOwnValues) {
   GridFile cubes;
-  for (int k = 0; k < 12; k++) cubes.points.emplace_back(k % 3 - 1, k / 3 % 2 - 0.5, k / 6 - 0.5);
+  for (int k = 0; k < 12; k++) cubes.points.emplace_back(0.75 * (k % 3 - 1), k / 3 % 2 - 0.5, k / 6 - 0.5);
   for (const uint32_t x : {0u, 1u})
     cubes.cells.push_back({12, {x, x + 1, x + 4, x + 3, x + 6, x + 7, x + 10, x + 9}});
   cubes.cellArrays = {{"count", "Int32", 1, {2, 3}}};
@@ -217,7 +217,7 @@ TEST(Pick, CellsHaveTheirOwnValues) {
   EXPECT_EQ(picked.at(37, 32).at("value"), 3);
   picked.show(R"({"type": "Volume", "dataset": "cubes", "slices": [[0, 0, 1, 0.25]], "cells": "smooth"})");
   const json hit = picked.at(37, 32);
-  EXPECT_NEAR(hit.at("value").get<double>(), 2.5 + 0.5 * hit.at("point").at(0).get<double>(), 1e-5);
+  EXPECT_NEAR(hit.at("value").get<double>(), 2.5 + 0.5 / 0.75 * hit.at("point").at(0).get<double>(), 1e-5);
   const std::string warned =
       picked.viewer.client
           ->expect(R"(set 1 {"Visualization": {"operators": [{"type": "Volume", "dataset": "cubes",

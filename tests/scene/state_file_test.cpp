@@ -53,7 +53,7 @@ TEST(StateFile, OperatorKeys) {
 }
 
 TEST(StateFile, CellsAreFlatOrSmooth) {
-  EXPECT_EQ(readVis(R"("volume rendering": true)").cells, CellsShown::Flat);
+  EXPECT_EQ(readVis(R"("two sided": true)").cells, CellsShown::Flat);
   EXPECT_EQ(readVis(R"("cells": "flat")").cells, CellsShown::Flat);
   EXPECT_EQ(readVis(R"("cells": "smooth")").cells, CellsShown::Smooth);
   for (const char* wrong : {R"("cells": "Smooth")", R"("cells": "")"}) EXPECT_THROW(readVis(wrong), Error);

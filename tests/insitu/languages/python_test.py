@@ -338,6 +338,9 @@ class Cells(unittest.TestCase):
         self.sim.cells("surface", self.positions, corners, types, ends)
         with self.assertRaisesRegex(ValueError, 'cells "surface": cells with a volume without a field, expected one or more'):
             self.sim.publish(1, 0)
+
+    def test_cells_with_a_volume_may_be_of_one_type_or_of_several(self):
+        corners, types, ends = np.array([0, 1, 2, 3, 0, 1, 2, 3, 4]), np.array([10, 14], "u1"), np.array([0, 4, 9])
         self.sim.cells("surface", self.positions, np.array([[0, 1, 2, 3, 4]], "i4"), 14, height=np.zeros(5))
         self.assertEqual(self.sim.publish(1, 0), Result.LOST)
         self.sim.cells("surface", self.positions, corners, types, ends, height=np.zeros(5))
