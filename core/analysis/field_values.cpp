@@ -98,9 +98,13 @@ FieldValues ask(size_t count, std::span<const glm::dvec3> points, Collectives& r
   return result;
 }
 
+/// Whether a point is in a box, or may be outside of it by its rounding alone. Not for NaN.
 bool contains(const Box& box, glm::dvec3 p) {
-  return p.x >= box.lo.x && p.x <= box.hi.x && p.y >= box.lo.y && p.y <= box.hi.y && p.z >= box.lo.z &&
-         p.z <= box.hi.z;
+  for (int a = 0; a < 3; a++) {
+    const double margin = 1e-9 * (box.hi[a] - box.lo[a]);
+    if (!(p[a] >= box.lo[a] - margin && p[a] <= box.hi[a] + margin)) return false;
+  }
+  return true;
 }
 
 }  // namespace

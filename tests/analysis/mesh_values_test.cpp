@@ -122,6 +122,24 @@ TEST(MeshValues, OfCellsAreAveragesButNotInACellWithoutAValue) {
   EXPECT_EQ(none.told.at("no data"), 50);
 }
 
+// The last points of a grid are outside of its box by a rounding.
+TEST(MeshValues, AtTheEndsOfAnyBoxAreInside) {
+  for (const double side : {0.1, 0.7, 1.9997782}) {
+    WholeMesh whole = bentMesh(2);
+    const glm::dvec3 lo(-1.1592917432800351, -0.70628847280417872, 0.3);
+    for (glm::dvec3& p : whole.cells.points) p = lo + side * p;
+    const Cut cut = test::whole({lo, lo + side});
+    ThreadRanks world(1);
+    const auto errors = world.run([&](Collectives& ranks) {
+      for (const char* dimensions : {R"({"dimensions": [7, 11, 14]})", R"({"dimensions": [24, 48, 50]})"}) {
+        FilterRun run(ranks, {{"field", {{"f", {}, 1, datasetOf(whole, cut, 0)}}}}, freeServices());
+        EXPECT_EQ(evaluate(*makeFilter<Resample>(), run, dimensions).told.at("outside"), 0) << side;
+      }
+    });
+    EXPECT_EQ(errors[0], "");
+  }
+}
+
 TEST(MeshValues, OfAFlatMeshAreNotResampledWithoutABox) {
   WholeMesh whole = bentMesh(2);
   for (glm::dvec3& p : whole.cells.points) p.z = 0.5;
