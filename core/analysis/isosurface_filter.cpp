@@ -83,7 +83,9 @@ SamplingSource isosurfaceSource(const IsosurfaceSampler& filter, FilterRun& run,
   vis.isovalues = {filter.isovalue};
   source.scene.visualization.operators = {vis};
   source.scene.partitioning = field.data->partitioning;
-  source.scene.data.emplace_back().data.volume = field.data->volume;
+  OperatorData& shown = source.scene.data.emplace_back().data;
+  shown.volume = field.data->volume;
+  shown.mesh = field.data->mesh;
   source.rules = {{{}, kMostHits}};
   source.priority.tenant = run.services().turn;
   source.account = run.services().tenant;
@@ -95,10 +97,13 @@ SamplingSource isosurfaceSource(const IsosurfaceSampler& filter, FilterRun& run,
 
 void checkIsosurface(const IsosurfaceSampler& filter, FilterRun& run) {
   const FilterSource& field = run.input("field");
-  if (filter.component && *filter.component >= field.data->volume->components)
+  if (filter.component && *filter.component >= field.data->components())
     throw Error("IsosurfaceSampler: `component` is " + std::to_string(*filter.component) + ", but " +
-                inQuotes(field.name) + " has " + std::to_string(field.data->volume->components) +
+                inQuotes(field.name) + " has " + std::to_string(field.data->components()) +
                 " (counted from 0)");
+  if (filter.gradient && field.data->mesh)
+    throw Error("IsosurfaceSampler: `gradient` is of " + inQuotes(field.name) +
+                ", an unstructured volume, expected one on a uniform grid");
   for (const FilterSource& values : isosurfaceValues(run))
     if (!(*values.data->partitioning == *field.data->partitioning))
       throw Error("IsosurfaceSampler: " + inQuotes(values.name) + " and " + inQuotes(field.name) +
@@ -111,7 +116,7 @@ FilterInfo IsosurfaceSampler::info() {
   return {"IsosurfaceSampler",
           1,
           "Points on an isosurface, uniformly distributed by area. It also tells the area.",
-          {{"field", kVolumes, "The volume that the isosurface is of."},
+          {{"field", kVolumes | kUnstructured, "The volume that the isosurface is of."},
            {"values", kVolumes, "The volumes whose values the points get. What is shown is the first.",
             FilterPort::Count::Any}},
           DatasetType::Particles};
@@ -129,7 +134,8 @@ std::vector<KeyRow<IsosurfaceSampler>> IsosurfaceSampler::properties() {
           .byDefault("the magnitude, if there are several"),
       flagKey(
           "gradient", &IsosurfaceSampler::gradient,
-          "Whether points get the gradient of `field`, per unit of the world, as their field `gradient`."),
+          "Whether points get the gradient of `field`, per unit of the world, as their field `gradient`. Not "
+          "of unstructured volumes."),
       integerKey("count", &IsosurfaceSampler::count, {1, kMostSampled}, "The number of points."),
       integerKey("seed", &IsosurfaceSampler::seed, {0, 2147483647},
                  "Chooses the random numbers. The same seed gives the same points."),
@@ -151,8 +157,7 @@ FilterResult IsosurfaceSampler::run(FilterRun& run) const {
       isosurfaceSource(*this, run, recorded), ranks, enter,
       [&run](int64_t item, int64_t, const std::string& text) { run.begin(item, kSamplingItems, text); });
   run.begin(kSamplingItems - 1, kSamplingItems, "sampling the isosurface");
-  const Volume& volume = *run.input("field").data->volume;
-  const Box box = volume.grid.box();
+  const Box box = run.input("field").data->box();
   const auto& visible = sampling->scene.compiled->visible;
   // Lines that can meet nothing need not be sent.
   const bool empty = std::all_of(visible.begin(), visible.end(), [](uint8_t v) { return v == 0; });

@@ -28,7 +28,8 @@ const FilterSource& rayInput(const FilterRun& run, const std::string& name, cons
 const FilterSource& rayVolume(const FilterRun& run, const std::string& name, const std::string& of) {
   const FilterSource& source = rayInput(run, name, of);
   if (!source.data->volume)
-    throw Error("RaySampler: " + of + " is of " + inQuotes(source.name) + ", expected a volume");
+    throw Error("RaySampler: " + of + " is of " + inQuotes(source.name) +
+                ", expected a volume on a uniform grid");
   return source;
 }
 
@@ -67,7 +68,7 @@ class RayPlan {
  private:
   void take(const FilterSource& from) {
     if (!partitioning_) partitioning_ = from.data->partitioning;
-    if (from.data->volume && !(*from.data->partitioning == *partitioning_))
+    if ((from.data->volume || from.data->mesh) && !(*from.data->partitioning == *partitioning_))
       throw Error("RaySampler: " + inQuotes(from.name) +
                   " is cut differently than the others, expected volumes on the same partitions");
   }
@@ -90,7 +91,7 @@ class RayPlan {
     vis.component = target.component;
     vis.clipPlanes = target.clipPlanes;
     OperatorSource operand;
-    if (data.volume) {
+    if (data.volume || data.mesh) {
       if (target.isovalues.empty() && target.planes.empty() && target.every == 0)
         throw Error("RaySampler: the operator of " + inQuotes(from.name) +
                     " has nothing to meet, expected `isovalues`, `planes` or `every`");
@@ -98,6 +99,7 @@ class RayPlan {
       vis.every = target.every;
       vis.slices = target.planes;
       operand.data.volume = data.volume;
+      operand.data.mesh = data.mesh;
     } else {
       if (data.geometry->kind != GeometryKind::Triangles)
         throw Error("RaySampler: an operator is of " + inQuotes(from.name) +
@@ -274,7 +276,7 @@ FilterInfo RaySampler::info() {
           1,
           "Points where rays meet isosurfaces, planes or triangles, or at equal distances along rays. Other "
           "rays may begin there.",
-          {{"data", kVolumes | kTriangles | kParticles,
+          {{"data", kVolumes | kUnstructured | kTriangles | kParticles,
             "What operators, conditions, `values`, `points` and `direction` call by this name.",
             FilterPort::Count::AnyName}},
           DatasetType::Particles};

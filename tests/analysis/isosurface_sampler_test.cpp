@@ -7,11 +7,13 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
 
 #include "core/analysis/isosurface_filter.h"
 #include "tests/analysis/sampled.h"
+#include "tests/support/cell_meshes.h"
 #include "tests/support/seeds.h"
 
 namespace gxy::test {
@@ -105,6 +107,44 @@ TEST(IsosurfaceSampler, RecordsSeveralFieldsAndTheGradientOnAnyRanks) {
   }
   for (const Cut& cut : {lattice(unitCube(), {4, 4, 4}, 3), kdCut(unitCube(), 13, 4, 2)})
     EXPECT_EQ(evaluated(cut), all) << cut.name;
+}
+
+/// Cells of all types, whose values are squared distances from the middle.
+WholeMesh sphereMesh(uint32_t n) {
+  WholeMesh whole;
+  whole.cells = cubeOfAllCells(
+      n, [](glm::dvec3) { return glm::dvec3(0); }, [](glm::dvec3 p) { return glm::dot(p - 0.5, p - 0.5); });
+  return whole;
+}
+
+TEST(IsosurfaceSampler, TakesUnstructuredVolumesOnAnyRanksAndPartitions) {
+  const WholeMesh mesh = sphereMesh(20);
+  const auto evaluated = [&](const Cut& cut) {
+    return evaluateOn<IsosurfaceSampler>(cut, {{}, {}, {}, {{"field", &mesh}}},
+                                         R"({"isovalue":0.09,"count":2000,"seed":3})");
+  };
+  const SampledPoints all = evaluated(whole(unitCube()));
+  ASSERT_EQ(all.points.size(), 2000u);
+  for (const auto& [id, point] : all.points) {
+    const glm::dvec3 from = point.first - 0.5;
+    ASSERT_NEAR(glm::dot(from, from), 0.09, 2e-3) << "the value is linear in cells of 1/20";
+  }
+  EXPECT_NEAR(double(all.told.at("area")), kArea, 3 * double(all.told.at("area error")) + 0.01 * kArea);
+  for (const Cut& cut : {lattice(unitCube(), {4, 4, 4}, 3), kdCut(unitCube(), 13, 4, 2)})
+    EXPECT_EQ(evaluated(cut), all) << cut.name;
+}
+
+TEST(IsosurfaceSampler, RefusesGradientsOfUnstructuredVolumes) {
+  const WholeMesh mesh = sphereMesh(2);
+  try {
+    evaluateOn<IsosurfaceSampler>(whole(unitCube()), {{}, {}, {}, {{"field", &mesh}}},
+                                  R"({"isovalue":0.09,"gradient":true})");
+    FAIL() << "expected an error";
+  } catch (const Error& e) {
+    EXPECT_STREQ(e.what(),
+                 "IsosurfaceSampler: `gradient` is of \"field\", an unstructured volume, expected one on a "
+                 "uniform grid");
+  }
 }
 
 TEST(IsosurfaceSampler, RefusesMoreComponentsThanASamplingHas) {

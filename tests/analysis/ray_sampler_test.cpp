@@ -6,6 +6,7 @@
 
 #include "core/analysis/ray_filter.h"
 #include "tests/analysis/sampled.h"
+#include "tests/support/cell_meshes.h"
 
 namespace gxy::test {
 namespace {
@@ -81,6 +82,37 @@ TEST(RaySampler, SendsRaysOfACameraAndOfADocument) {
       R"({"operators":[{"dataset":"x","isovalues":[0.5]}],"rays":[[1e6,0.5,0.5,-2,0,0],[0,0.2,0.2,0,1,0]]})");
   ASSERT_EQ(two.points.size(), 1u);
   EXPECT_NEAR(two.points.at(0).first.x, 0.5, 1e-7);
+}
+
+TEST(RaySampler, MeetsSurfacesOfUnstructuredVolumes) {
+  WholeMesh mesh;
+  mesh.cells = cubeOfAllCells(
+      4, [](glm::dvec3) { return glm::dvec3(0); }, [](glm::dvec3 p) { return p.x; });
+  const auto evaluated = [&](const Cut& cut) {
+    return evaluateOn<RaySampler>(
+        cut, {{}, {{"y", {&alongY()}}}, {}, {{"m", &mesh}}},
+        R"({"operators":[{"dataset":"m","isovalues":[0.3,0.6],"planes":[[0,0,1,0.45]],"hits":9}],"lines":2000,
+            "values":"y","seed":3})");
+  };
+  const SampledPoints all = evaluated(whole(unitCube()));
+  EXPECT_GT(all.points.size(), 1000u);
+  size_t onPlane = 0;
+  for (const auto& [id, point] : all.points) {
+    const auto [p, value] = point;
+    const double far = std::min({std::abs(p.x - 0.3), std::abs(p.x - 0.6), std::abs(p.z - 0.45)});
+    ASSERT_LT(far, 2e-6);
+    onPlane += std::abs(p.z - 0.45) < 2e-6;
+    ASSERT_NEAR(value, p.y, 1e-6);
+  }
+  EXPECT_GT(onPlane, 200u);
+  EXPECT_EQ(evaluated(kdCut(unitCube(), 11, 3, 4)), all);
+  try {
+    evaluateOn<RaySampler>(whole(unitCube()), {{}, {}, {}, {{"m", &mesh}}},
+                           R"({"operators":[{"dataset":"m","isovalues":[0.3]}],"lines":20,"values":"m"})");
+    FAIL() << "expected an error";
+  } catch (const Error& e) {
+    EXPECT_STREQ(e.what(), "RaySampler: `values` is of \"m\", expected a volume on a uniform grid");
+  }
 }
 
 TEST(RaySampler, RefusesWhatCannotBe) {

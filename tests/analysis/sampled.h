@@ -9,6 +9,7 @@
 
 #include "core/analysis/filter.h"
 #include "tests/analysis/sampling.h"
+#include "tests/support/meshes.h"
 
 namespace gxy::test {
 
@@ -25,7 +26,8 @@ struct SampledPoints {
 struct Evaluation {
   SamplingRanks::Run run{};
   std::map<std::string, std::vector<const WholeVolume*>> inputs;
-  std::map<std::string, WholeGeometry> geometry = {};  ///< inputs, too; ranks have its primitives in turn
+  std::map<std::string, WholeGeometry> geometry = {};   ///< inputs, too; ranks have its primitives in turn
+  std::map<std::string, const WholeMesh*> meshes = {};  ///< inputs, too
   /// Replaces the ranks' check() and memory, by rank; null: nothing fails.
   std::function<void(int rank)> check = nullptr;
   std::function<LedgerEntry(int rank, const std::string& purpose)> memory = nullptr;
@@ -91,6 +93,12 @@ std::vector<std::string> evaluateOn(const Cut& cut, const Evaluation& evaluation
       auto dataset = std::make_shared<Dataset>();
       dataset->partitioning = partitioning;
       dataset->geometry = ownedOf(whole, rank, cut.ranks);
+      inputs[name].push_back({name, {}, 1, std::move(dataset)});
+    }
+    for (const auto& [name, whole] : evaluation.meshes) {
+      auto dataset = std::make_shared<Dataset>();
+      dataset->partitioning = partitioning;
+      dataset->mesh = test::cut(*whole, *partitioning, cut.ranks)[size_t(rank)];
       inputs[name].push_back({name, {}, 1, std::move(dataset)});
     }
     FilterServices services;
