@@ -47,7 +47,11 @@ bool mapIsUniform(MAP map) { return MAP_KIND >= 0 ? MAP_KIND == MAP_KIND_UNIFORM
 int mapBucket(MAP map, int i) { return int(tableWord(map.bucket + uint(i))); }
 real mapNode(MAP map, int k) { return MAP_AHEAD > 0 ? fromRow(0, k) : tableReal(map.nodes + uint(k)); }
 real mapInverseLength(MAP map, int k) {
-  return MAP_AHEAD > 0 ? fromRow(1, k) : tableReal(map.lengths + uint(k));
+  return MAP_AHEAD > 0 ? fromRow(1, k) : tableReal(map.spans + 4u * uint(k) + 1u);
+}
+MapSpan mapSpan(MAP map, int k) {
+  vec4 s = uintBitsToFloat(tableQuad(map.spans + 4u * uint(k)));
+  return MapSpan(s.x, s.y, s.z);
 }
 MapPiece mapPiece(MAP map, int k) {
   MapPiece m;

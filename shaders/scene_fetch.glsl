@@ -82,6 +82,12 @@ vec4 vertexOf(OPERATOR op, uint i) { return uintBitsToFloat(geometryQuad(op.poin
 uint cellCorner(OPERATOR op, uint i) { return geometryWord(op.indices + i); }
 uint cellNeighbour(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); }
 real cellValue(OPERATOR op, uint i) { return geometryReal(op.values + i); }
+HexPoints hexPoints(OPERATOR op, uint i) {
+  uvec4 a = geometryQuad(op.indices + 8u * i), b = geometryQuad(op.indices + 8u * i + 4u);
+  return HexPoints(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w);
+}
+bool leavesOutBricks(OPERATOR op) { return op.unseen != 0u; }
+uint unseenWord(OPERATOR op, uint i) { return geometryWord(op.unseen + i); }
 uint hexPoint(OPERATOR op, uint i) { return geometryWord(op.indices + i); }
 uint hexNeighbour(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); }
 uint hexOrders(OPERATOR op, uint i) { return geometryWord(op.orders + i); }

@@ -29,7 +29,7 @@ int rowsOf(int kind) {
 std::array<float, TREE_MOST_ROWS> rowsOf(int kind, const GeometryInPartition& part, uint32_t primitive) {
   std::array<float, TREE_MOST_ROWS> rows{};
   const auto copy = [&](uint32_t point, size_t numbers, size_t row) {
-    std::copy_n(part.points.data() + 4 * size_t(point), numbers, rows.data() + row);
+    std::copy_n(part.arrays().points.data() + 4 * size_t(point), numbers, rows.data() + row);
   };
   if (kind == KIND_PARTICLES) {
     copy(primitive, 4, 0);
@@ -47,17 +47,17 @@ std::array<float, TREE_MOST_ROWS> rowsOf(int kind, const GeometryInPartition& pa
     const FaceId face = part.shell[primitive];
     size_t row = 0;
     for (int k = 0; k < 4; k++)
-      if (k != faceOf(face)) copy(part.indices[4 * size_t(cellOf(face)) + size_t(k)], 3, 3 * row++);
+      if (k != faceOf(face)) copy(part.arrays().indices[4 * size_t(cellOf(face)) + size_t(k)], 3, 3 * row++);
     rows[9] = std::bit_cast<float>(face);
   } else if (kind == KIND_HEX_MESH) {
     std::copy_n(part.points.data() + 32 * size_t(primitive), 32, rows.data());
     rows[32] = std::bit_cast<float>(part.orders[primitive]);
   } else if (kind == KIND_HEX_SHELL) {
     const FaceId face = part.shell[primitive];
-    const auto side = uint32_t(faceOf(face)), orders = part.orders[cellOf(face)];
+    const auto side = uint32_t(faceOf(face)), orders = part.arrays().orders[cellOf(face)];
     const uint32_t corners = single::orderedCorners(side, orders);
     for (size_t k = 0; k < 4; k++)
-      copy(part.indices[8 * size_t(cellOf(face)) + (corners >> 4 * k & 7)], 3, 3 * k);
+      copy(part.arrays().indices[8 * size_t(cellOf(face)) + (corners >> 4 * k & 7)], 3, 3 * k);
     rows[12] = std::bit_cast<float>(face);
     rows[13] = single::isTriangle(side, orders) ? 1.0f : 0.0f;
   } else {

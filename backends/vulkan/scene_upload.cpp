@@ -193,6 +193,7 @@ class Uploading {
         view.neighbours = at.neighbours;
         view.orders = at.orders;
         view.shell = at.shell;
+        view.unseen = at.unseen;
         view.surfaceCells = at.surfaceCells;
         view.levelCorners = at.levelCorners;
         view.levelValues = at.levelValues;

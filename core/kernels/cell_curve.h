@@ -140,16 +140,40 @@ FN real valueOn(CellCurve c, real u) { return clamp1(bernsteinValue(c.cubic, u),
 
 // Upper bound on the fraction of a piece's opacity that is shown at the wrong depth. The value is taken to go
 // linearly from s0 to s1, but is `middle` in the middle. Only the difference between the piece's ends can be
-// at a wrong depth. `bows`: the value may be far from linear. Then what the map shows in a small part of the piece's values has another
-// optical depth, too: as the slope there is another one, by about twice the bow.
-FN real stepPositionError(MapMean m, UNIFORM bool bows, real s0, real middle, real s1) {
+// at a wrong depth.
+FN real stepPositionError(MapMean m, real s0, real middle, real s1) {
   real rise = abs(s1 - s0), bow = abs(middle - R(0.5) * (s0 + s1));
   real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
   if (m.sigma > R(0.0)) change = max(change, min(abs(m.sigmaFront - m.sigmaBack) / m.sigma, R(1.0)));
-  real error = bow < rise ? change * (bow / rise) : change;
-  if (bows && m.sigma > R(0.0)) {
-    real spread = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack)) / m.sigma;
-    error = max(error, min(spread, R(1.0)) * (R(2.0) * bow < rise ? R(2.0) * bow / rise : R(1.0)));
+  return bow < rise ? change * (bow / rise) : change;
+}
+
+// Turns the means along a line from s0 to s1 into those along a parabola that is `middle` in the middle, and returns an upper bound on the
+// fraction of opacity that is wrong then. The parabola dwells longer on the side where it is flatter, so extinction and colour that are
+// linear in the value count more there. How far they are from linear, as at a spike, means do not tell; that part is not changed, and is
+// wrong by up to twice the bow.
+FN real bendMean(INOUT(MapMean) m, real s0, real middle, real s1) {
+  real rise = s1 - s0, bow = middle - R(0.5) * (s0 + s1);
+  real error = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
+  if (m.sigma > R(0.0)) {
+    real perSigma = R(1.0) / m.sigma;
+    real change = max(error, min(abs(m.sigmaFront - m.sigmaBack) * perSigma, R(1.0)));
+    if (R(4.0) * abs(bow) < abs(rise)) {
+      real part = bow / rise;
+      real spread = min(abs(m.sigma - R(0.5) * (m.sigmaFront + m.sigmaBack)) * perSigma, R(1.0));
+      real shift = R(0.66666666666666667) * part * (R(1.0) - spread);
+      real front = shift * m.sigmaFront, back = shift * m.sigmaBack;
+      real sigma = max(m.sigma + (back - front), R(0.0));
+      real one = sigma > R(0.0) ? R(1.0) / sigma : R(0.0);
+      m.color.x = one * (m.sigma * m.color.x + (back * m.back.x - front * m.front.x));
+      m.color.y = one * (m.sigma * m.color.y + (back * m.back.y - front * m.front.y));
+      m.color.z = one * (m.sigma * m.color.z + (back * m.back.z - front * m.front.z));
+      m.sigma = sigma;
+      error = R(2.0) * abs(part) * spread + change * (part * part);
+    } else {
+      error =
+          max(change, min(max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack)) * perSigma, R(1.0)));
+    }
   }
   return error;
 }
@@ -158,7 +182,7 @@ FN real stepPositionError(MapMean m, UNIFORM bool bows, real s0, real middle, re
 FN real smallestPiece(real uFrom, real uTo) { return max(R(0.0005) * (uTo - uFrom), R(1e-6)); }
 
 // Adds the pieces from uFrom to uTo of a cell, `span` long, whose value has extrema at turns0 and turns1 (1:
-// none). The value is taken as linear along each piece. `bows`: stepPositionError().
+// none). The value is taken as linear along each piece, or if `bows`, since it may be far from linear, as a parabola.
 FN void addPieces(MAP map, CellCurve c, UNIFORM bool bows, real turns0, real turns1, real uFrom, real uTo,
                   real span, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real from = uFrom, s = valueOn(c, uFrom), most = R(1.0), smallest = smallestPiece(uFrom, uTo);
@@ -169,9 +193,13 @@ FN void addPieces(MAP map, CellCurve c, UNIFORM bool bows, real turns0, real tur
     real to = whole ? upTo : from + most;
     real part = to - from, s1 = valueOn(c, to);
     MapMean m = meanAlong(map, s, s1);
-    more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, mapCurvatureError(m),
-                    stepPositionError(m, bows, s, valueOn(c, from + R(0.5) * part), s1), part <= smallest,
-                    tMin, rgb, A);
+    real middle = valueOn(c, from + R(0.5) * part), positionError;
+    if (bows)
+      positionError = bendMean(m, s, middle, s1);
+    else
+      positionError = stepPositionError(m, s, middle, s1);
+    more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, mapCurvatureError(m), positionError,
+                    part <= smallest, tMin, rgb, A);
     if (more) {
       most = R(0.5) * part;
     } else {
@@ -254,6 +282,30 @@ FN void addPiecesOfFew(MAP map, CellCurve c, UNIFORM bool bows, real turns0, rea
       more = from < uTo && R(1.0) - A >= tMin;
     }
   }
+}
+
+// Adds a part of a ray on which the value goes linearly from s0 to s1. Returns whether the map shows something there.
+FN bool addLinear(MAP map, real s0, real s1, real span, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
+  real from = R(0.0), s = s0, most = R(1.0), smallest = smallestPiece(R(0.0), R(1.0));
+  bool more = true, seen = false;
+  while (more) {
+    bool whole = R(1.0) - from <= most;
+    real to = whole ? R(1.0) : from + most;
+    real part = to - from, next = whole ? s1 : lerp1(s0, s1, to);
+    MapMean m = meanAlong(map, s, next);
+    seen = seen || m.sigma > R(0.0);
+    more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, mapCurvatureError(m), R(0.0),
+                    part <= smallest, tMin, rgb, A);
+    if (more) {
+      most = R(0.5) * part;
+    } else {
+      from = to;
+      s = next;
+      most = R(2.0) * part;
+      more = !whole && R(1.0) - A >= tMin;
+    }
+  }
+  return seen;
 }
 
 // How a curve lies in a map.

@@ -12,16 +12,16 @@ FN vec4 framed(FrameRay r, vec4 corner) {
 }
 
 FN Hexahedron hexahedronIn(OPERATOR op, FrameRay r, uint cell) {
-  uint at = cell * 8u;
+  HexPoints at = hexPoints(op, cell);
   Hexahedron h;
-  h.c0 = framed(r, vertexOf(op, hexPoint(op, at)));
-  h.c1 = framed(r, vertexOf(op, hexPoint(op, at + 1u)));
-  h.c2 = framed(r, vertexOf(op, hexPoint(op, at + 2u)));
-  h.c3 = framed(r, vertexOf(op, hexPoint(op, at + 3u)));
-  h.c4 = framed(r, vertexOf(op, hexPoint(op, at + 4u)));
-  h.c5 = framed(r, vertexOf(op, hexPoint(op, at + 5u)));
-  h.c6 = framed(r, vertexOf(op, hexPoint(op, at + 6u)));
-  h.c7 = framed(r, vertexOf(op, hexPoint(op, at + 7u)));
+  h.c0 = framed(r, vertexOf(op, at.p0));
+  h.c1 = framed(r, vertexOf(op, at.p1));
+  h.c2 = framed(r, vertexOf(op, at.p2));
+  h.c3 = framed(r, vertexOf(op, at.p3));
+  h.c4 = framed(r, vertexOf(op, at.p4));
+  h.c5 = framed(r, vertexOf(op, at.p5));
+  h.c6 = framed(r, vertexOf(op, at.p6));
+  h.c7 = framed(r, vertexOf(op, at.p7));
   return h;
 }
 
@@ -44,12 +44,12 @@ FN bool passesSide(FrameRay r, vec3 a, vec3 b, vec3 c, vec3 d, bool triangle, OU
 }
 
 // The largest error that the value may have on a step of this length whose values are from low to high. Where the value is wrong by a part of
-// how far it goes, its slope is wrong by about four times that part in a half of the step, and so is the optical depth of what the map
-// shows there.
+// how far it goes, so is the optical depth of what the map shows there. (Its slope is too steep in one half of the step and too flat in the
+// other, and most of that cancels.)
 FN real errorAllowed(MAP map, real low, real high, real length, real range, real tMin) {
   MapMean m = meanAlong(map, low, high);
   real tau = min(m.sigma * length, R(1.0));
-  real allowed = R(0.25) * tMin * (high - low) / max(tau, R(1e-30));
+  real allowed = tMin * (high - low) / max(tau, R(1e-30));
   real rounding = max(R(1e-6) * range, R(2.5e-7) * max(abs(low), abs(high)));
   return max(min(allowed, R(0.05) * range), rounding);
 }
@@ -139,7 +139,7 @@ FN uint walkHexahedra(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(Me
     uint next = sideOfSign(signs, -signOf(signs, side));
     if (timesPassed(signs) != 2) next = pairedSide(h, orders, signs, side, turn);
     passed = (cell << 3) | next;
-    face = hexNeighbour(op, cell * 6u + next);
+    face = seenNeighbour(op, hexNeighbour(op, cell * 6u + next), HEXAHEDRA_IN_BRICK);
     SidePoint q = sidePoint(h, next, orders);
     // Where a ray goes through an edge, the sides there differ by a rounding. What a cell counts must not depend on those before it.
     real own = p.z * r.frame.perDepth;

@@ -327,18 +327,20 @@ FN vec3 middleOf(vec3 a, vec3 b, real f) {
   return make_v3(lerp1(a.x, b.x, f), lerp1(a.y, b.y, f), lerp1(a.z, b.z, f));
 }
 
-// One step of Newton's method from reference coordinates towards those of the point of the ray at depth z.
-FN vec3 towardsDepth(Hexahedron h, vec3 at, real z) {
-  vec4 p = trilinearIn(h, at);
-  vec3 by = solved(placeOf(derivativeX(h, at)), placeOf(derivativeY(h, at)), placeOf(derivativeZ(h, at)),
-                   make_v3(p.x, p.y, p.z - z));
-  return inCell(make_v3(at.x - by.x, at.y - by.y, at.z - by.z));
-}
-
-// The reference coordinates of the point of the ray at depth z, near others.
+// The reference coordinates of the point of the ray at depth z, near others, by Newton's method. It ends where the next step would be about
+// 1e-6.
 FN vec3 placeAtDepth(Hexahedron h, vec3 near, real z) {
   vec3 at = near;
-  for (UNIFORM int k = 0; k < 4; k++) at = towardsDepth(h, at, z);
+  bool goes = true;
+  for (UNIFORM int k = 0; k < 4; k++) {
+    if (goes) {
+      vec4 p = trilinearIn(h, at);
+      vec3 by = solved(placeOf(derivativeX(h, at)), placeOf(derivativeY(h, at)), placeOf(derivativeZ(h, at)),
+                       make_v3(p.x, p.y, p.z - z));
+      at = inCell(make_v3(at.x - by.x, at.y - by.y, at.z - by.z));
+      goes = max1(max1(abs(by.x), abs(by.y)), abs(by.z)) > R(1e-3);
+    }
+  }
   return at;
 }
 

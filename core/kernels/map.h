@@ -8,6 +8,7 @@
 //   bool mapIsUniform(map)         if not: whether its inner intervals have equal length
 //   real mapNode(map, k)           start of interval k
 //   real mapInverseLength(map, k)  1 / length of interval k
+//   MapSpan mapSpan(map, k)        both, and where it ends
 //   MapPiece mapPiece(map, k)      extinction and colour of interval k
 //   MapSum mapSum(map, k)          integrals up to its start
 //   int  mapOpaque(map, k)         the last opaque interval before it, or -1
@@ -34,8 +35,14 @@ FN MapPlace mapPlace(MAP map, real s) {
   } else {
     real q = clamp1((s - map.origin) * map.inverse, R(0.0), toReal(map.buckets - 1));
     p.k = mapBucket(map, toInt(q));
-    while (p.k + 1 < map.intervals && s >= mapNode(map, p.k + 1)) p.k += 1;
-    p.f = (s - mapNode(map, p.k)) * mapInverseLength(map, p.k);
+    MapSpan span = mapSpan(map, p.k);
+    real end = span.end;  // a loop's variables are not members of structures (decision 0012)
+    while (p.k + 1 < map.intervals && s >= end) {
+      p.k += 1;
+      span = mapSpan(map, p.k);
+      end = span.end;
+    }
+    p.f = (s - span.start) * span.inverse;
   }
   return p;
 }

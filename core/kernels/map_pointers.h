@@ -18,11 +18,3 @@ FN int mapNodesUpTo(MAP map, real s) {
   return k;
 }
 FN int mapOpaque(MAP map, int k) { return map.opaque[k]; }
-FN MapSum mapSum(MAP map, int k) {
-  MapSum s;
-  s.sigma = map.sums[8 * k];
-  s.source = make_v3(map.sums[8 * k + 1], map.sums[8 * k + 2], map.sums[8 * k + 3]);
-  s.sigmaRest = map.sums[8 * k + 4];
-  s.sourceRest = make_v3(map.sums[8 * k + 5], map.sums[8 * k + 6], map.sums[8 * k + 7]);
-  return s;
-}

@@ -23,7 +23,7 @@ struct MapView {
   real nanRed, nanGreen, nanBlue;  // colour where there is no value
   PTR(int) bucket;                 // an interval at or before the start of each
   PTR(real) nodes;                 // start of each interval
-  PTR(real) lengths;               // inverse length of each interval
+  PTR(real) spans;                 // 4 per interval: its start, its inverse length, its end, and 0
   PTR(real) rows;    // of at most 16 intervals: 10 rows of 16, the nodes, lengths and pieces; else null
   PTR(real) pieces;  // 8 per interval: sigma, its step, then r, g, b each with its step
   PTR(real)
@@ -40,6 +40,9 @@ struct ClipView {
 #if !defined(GXY_LAYOUT)
 #define MAP_SMALL \
   16  // intervals of maps that are searched by comparing; their nodes are filled up with infinities
+struct MapSpan {
+  real start, inverse, end;
+};
 struct MapPiece {
   real sigma, sigmaStep;
   vec3 color, colorStep;

@@ -2,8 +2,8 @@
 // The march through an unstructured volume: a walk from face to face (face.h) that integrates the cells which belong to this
 // partition.
 //
-// The shell of a partition's cells are the faces that have no neighbour there: the boundary of the mesh, and faces behind which all
-// cells are those of other partitions. A walk begins at a face of the shell and ends at another one. A ray takes the faces of the shell
+// The shell of a partition's cells are the faces that have no neighbour there: the boundary of the mesh, faces behind which all
+// cells are those of other partitions, and faces between bricks that are seen and others. A walk begins at a face of the shell and ends at another one. A ray takes the faces of the shell
 // that it passes in the order of t and of their numbers, and begins a walk at each of them, except where the walk before has ended. The
 // t of the march never goes back: a cell counts from the largest t so far to its own end. So a walk that begins at the wrong end of its
 // way adds nothing, and it does not matter which way round the points of a cell are. A cell belongs to the partition in which the
@@ -15,6 +15,8 @@
 //   uint cellCorner(op, i)      corner i % 4 of tetrahedron i / 4; the corners of a tetrahedron ascend
 //   uint cellNeighbour(op, i)   what lies behind the face opposite that corner: the face (cell << 3 | corner) of another cell, or NO_FACE
 //   uint shellFace(op, i)       face i of the shell (cell << 3 | corner)
+//   bool leavesOutBricks(op)    whether there are bricks of which the map shows nothing; they are not part of the mesh then
+//   uint unseenWord(op, i)      bits of 32 bricks, set for such
 //   bool hasValues(op)          whether cells have values of their own. Those whose value is not finite are not seen
 //   real cellValue(op, i)       the value of cell i
 
@@ -64,6 +66,16 @@ FN ShellPlace beforeShell() {
 // Whether a walk begins at a face of the shell, of this number, which the ray passes at t. `face` is the same as cell << 3 | corner.
 FN bool beginsBehind(ShellPlace last, real t, uint number, uint face) {
   return (t > last.t || (t == last.t && number > last.number)) && face != last.ended;
+}
+
+// What lies behind a face as rays go: `face`, or NO_FACE if its cell is in a brick that is not seen.
+FN uint seenNeighbour(OPERATOR op, uint face, uint bits) {
+  uint seen = face;
+  if (leavesOutBricks(op) && face != NO_FACE) {
+    uint brick = face >> (bits + 3u);
+    if (((unseenWord(op, brick >> 5) >> (brick & 31u)) & 1u) != 0u) seen = NO_FACE;
+  }
+  return seen;
 }
 
 // Whether the ray passes the face of these three points, and at which t.
@@ -149,7 +161,7 @@ FN uint walkMesh(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMar
     uint place = (toUint(a < number ? 1 : 0) + toUint(b < number ? 1 : 0)) +
                  (toUint(c < number ? 1 : 0) + toUint(d < number ? 1 : 0));
     passed = (face & ~7u) | place;
-    face = cellNeighbour(op, cell + place);
+    face = seenNeighbour(op, cellNeighbour(op, cell + place), TETRAHEDRA_IN_BRICK);
     // d takes the place of that corner.
     if (left == 0) {
       a = d, pa = pd, sa = vd.w;
@@ -190,14 +202,10 @@ FN uint walkMesh(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMar
           holds = (constant || holds) && value - value == R(0.0);
         }
         if (holds) {
-          CellCurve curve = linearCurve(front, back);
-          CurveInMap lies = curveInMap(op.map, curve);
-          if (lies.seen) {
-            real span = largest - before;
-            evaluated += 1;
-            addPart(op.map, curve, false, lies, (start - before) / span,
-                    to < largest ? (to - before) / span : R(1.0), span, m.tMin, rgb, A);
-          }
+          real span = largest - before;
+          real sFrom = start > before ? lerp1(front, back, (start - before) / span) : front;
+          real sTo = to < largest ? lerp1(front, back, (to - before) / span) : back;
+          evaluated += addLinear(op.map, sFrom, sTo, to - start, m.tMin, rgb, A) ? 1 : 0;
         }
       }
       if (to >= w.end || to >= m.tOut || R(1.0) - A < m.tMin) goes = false;

@@ -48,11 +48,32 @@ FN uint neighbourOf(OPERATOR op, uint i) { return op.neighbours[i]; }
 #else
 #define MESH_AT(op, array, i) (op).array[PLACE(i)]
 #endif
+#if !defined(ISPC)
 FN vec4 vertexOf(OPERATOR op, uint i) {
   uint k = 4 * i;
   return make_v4(MESH_AT(op, points, k), MESH_AT(op, points, k + 1), MESH_AT(op, points, k + 2),
                  MESH_AT(op, points, k + 3));
 }
+FN HexPoints hexPoints(OPERATOR op, uint i) {
+  uint k = 8 * i;
+  return {MESH_AT(op, indices, k),     MESH_AT(op, indices, k + 1), MESH_AT(op, indices, k + 2),
+          MESH_AT(op, indices, k + 3), MESH_AT(op, indices, k + 4), MESH_AT(op, indices, k + 5),
+          MESH_AT(op, indices, k + 6), MESH_AT(op, indices, k + 7)};
+}
+#else
+FN vec4 vertexOf(OPERATOR op, uint i) {
+  Record r = recordAt(op.points, 4, i);
+  return make_v4(r.x, r.y, r.z, r.w);
+}
+FN HexPoints hexPoints(OPERATOR op, uint i) {
+  const uniform float* uniform points = (const uniform float* uniform)op.indices;
+  Record a = recordAt(points, 8, i), b = recordAt(points + 4, 8, i);
+  HexPoints p;
+  p.p0 = intbits(a.x), p.p1 = intbits(a.y), p.p2 = intbits(a.z), p.p3 = intbits(a.w);
+  p.p4 = intbits(b.x), p.p5 = intbits(b.y), p.p6 = intbits(b.z), p.p7 = intbits(b.w);
+  return p;
+}
+#endif
 FN uint cellCorner(OPERATOR op, uint i) { return MESH_AT(op, indices, i); }
 FN uint cellNeighbour(OPERATOR op, uint i) { return MESH_AT(op, neighbours, i); }
 FN real cellValue(OPERATOR op, uint i) { return MESH_AT(op, values, i); }
@@ -60,6 +81,8 @@ FN uint hexPoint(OPERATOR op, uint i) { return MESH_AT(op, indices, i); }
 FN uint hexNeighbour(OPERATOR op, uint i) { return MESH_AT(op, neighbours, i); }
 FN uint hexOrders(OPERATOR op, uint i) { return MESH_AT(op, orders, i); }
 FN uint shellFace(OPERATOR op, uint i) { return MESH_AT(op, shell, i); }
+FN UNIFORM bool leavesOutBricks(OPERATOR op) { return op.unseen != NULL; }
+FN uint unseenWord(OPERATOR op, uint i) { return MESH_AT(op, unseen, i); }
 FN vec4 levelCorner(OPERATOR op, uint p, int k) {
   return make_v4(op.levelCorners[16 * PLACE(p) + 4 * k], op.levelCorners[16 * PLACE(p) + 4 * k + 1],
                  op.levelCorners[16 * PLACE(p) + 4 * k + 2], op.levelCorners[16 * PLACE(p) + 4 * k + 3]);

@@ -12,6 +12,10 @@
 #define KIND_HEX_MESH 6
 #define KIND_HEX_SHELL 7
 
+// Cells of a mesh with numbers in a row are near to each other, and make a brick: this many bits of numbers.
+#define TETRAHEDRA_IN_BRICK 9
+#define HEXAHEDRA_IN_BRICK 6
+
 // The most volumes that one march integrates together (multi_volume.h).
 #define MANY_VOLUMES 8
 
@@ -40,6 +44,7 @@ struct OperatorView {
   PTR(uint) neighbours;
   PTR(uint) orders;  // of a mesh of hexahedra: one per cell (hexahedron.h)
   PTR(uint) shell;   // of a mesh: one per primitive (mesh.h)
+  PTR(uint) unseen;  // of a mesh: a bit per brick of cells that rays leave out (mesh.h), or null
   // Of a mesh: per cell that an isosurface or a slice passes, in which it is the one of cell_surface.h or hex_surface.h, 4 or 8 corners of
   // x y z level, the values there, the orders of the sides of a hexahedron, and the number of the surface.
   uint surfaceCells;
@@ -77,6 +82,13 @@ struct SceneView {
   int shadows, occlusionRays;
   real occlusionRadius;
 };
+
+#if !defined(GXY_LAYOUT)
+// The numbers of the corners of a hexahedron.
+struct HexPoints {
+  uint p0, p1, p2, p3, p4, p5, p6, p7;
+};
+#endif
 
 struct FrameView {
   double eyeX, eyeY, eyeZ, cornerX, cornerY, cornerZ, duX, duY, duZ, dvX, dvY, dvZ, viewX, viewY, viewZ;

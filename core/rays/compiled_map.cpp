@@ -182,7 +182,8 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     const double s0 = from.w, s1 = to.w;
     const glm::dvec3 c0(from), c1(to);
     nodes.push_back(float(start));
-    lengths.push_back(length > 0 ? float(1 / length) : 0.f);
+    if (!spans.empty()) spans[spans.size() - 2] = nodes.back();
+    for (float x : {nodes.back(), length > 0 ? float(1 / length) : 0.f, INFINITY, 0.f}) spans.push_back(x);
     for (double x : {s0, s1 - s0, c0.x, c1.x - c0.x, c0.y, c1.y - c0.y, c0.z, c1.z - c0.z})
       pieces.push_back(float(x));
     for (double x : total) sums.push_back(float(x));
@@ -270,8 +271,8 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     nodes.resize(MAP_SMALL, INFINITY);
     rows = nodes;
     rows.resize(10 * MAP_SMALL);
-    for (size_t k = 0; k < lengths.size(); k++) {
-      rows[MAP_SMALL + k] = lengths[k];
+    for (size_t k = 0; k < size_t(intervals()); k++) {
+      rows[MAP_SMALL + k] = spans[4 * k + 1];
       for (size_t i = 0; i < 8; i++) rows[MAP_SMALL * (2 + i) + k] = pieces[8 * k + i];
     }
   }
@@ -289,7 +290,8 @@ int CompiledMap::intervalOf(float value) const {
 
 double CompiledMap::extinctionAt(int interval, float value) const {
   const size_t k = size_t(interval);
-  return double(pieces[8 * k]) + (double(value) - nodes[k]) * double(lengths[k]) * double(pieces[8 * k + 1]);
+  return double(pieces[8 * k]) +
+         (double(value) - nodes[k]) * double(spans[4 * k + 1]) * double(pieces[8 * k + 1]);
 }
 
 CompiledMap::Over CompiledMap::over(float lo, float hi) const {
@@ -308,7 +310,7 @@ CompiledMap::Over CompiledMap::over(float lo, float hi) const {
   auto atNodes = [&](int k) { return bend_[size_t(k)] - curve_[size_t(k)]; };
   auto inside = [&](int k, float value) {
     const double within = curve_[size_t(k) + 1] - curve_[size_t(k)];
-    const double part = (double(value) - nodes[size_t(k)]) * double(lengths[size_t(k)]);
+    const double part = (double(value) - nodes[size_t(k)]) * double(spans[4 * size_t(k) + 1]);
     return curve_[size_t(k)] + within * std::min(part, 1.0);
   };
   over.curve = inside(last, hi) - inside(a, lo);

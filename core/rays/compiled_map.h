@@ -30,10 +30,10 @@ class CompiledMap {
   int uniform = 0;                ///< number of inner intervals if they are equally long, else 0
   float origin = 0, inverse = 0;  ///< first inner node; 1 / length of a bucket (or, if uniform, an interval)
   std::vector<int32_t> buckets;   ///< first interval of each bucket
-  std::vector<float> nodes, lengths, rows, pieces, sums;  ///< see kernels/map_view.h
-  std::vector<int32_t> opaque;                            ///< see kernels/map_view.h
-  glm::vec3 nan{0};                                       ///< colour of NaN
-  double largestColor = 0;                                ///< largest component of any colour
+  std::vector<float> nodes, spans, rows, pieces, sums;  ///< see kernels/map_view.h
+  std::vector<int32_t> opaque;                          ///< see kernels/map_view.h
+  glm::vec3 nan{0};                                     ///< colour of NaN
+  double largestColor = 0;                              ///< largest component of any colour
 
   /// Bounds of the map over stored values [lo, hi]. Slopes are of extinction and of extinction times colour,
   /// per unit of stored value and of t.
@@ -50,7 +50,7 @@ class CompiledMap {
   };
   Over over(float lo, float hi) const;
 
-  int intervals() const { return int(lengths.size()); }
+  int intervals() const { return int(spans.size() / 4); }
 
  private:
   /// Answers maxima over ranges, from the maxima over runs of 2^level intervals.

@@ -5,18 +5,27 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/comm/error.h"
 #include "core/comm/parallel_for.h"
+#include "core/kernels/single_views.h"
 #include "core/rays/kernel_cells.h"
 #include "core/scene/colormaps.h"
 
 namespace gxy {
 
 namespace {
+
+constexpr size_t kWorthLeavingOut = 16;  // one brick in so many must not be seen
+
+// The number of cells in a brick.
+size_t brickSize(uint32_t corners) {
+  return size_t(1) << (corners == 4 ? TETRAHEDRA_IN_BRICK : HEXAHEDRA_IN_BRICK);
+}
 
 using OtherScenes = std::span<const std::shared_ptr<const CompiledScene>>;
 
@@ -90,6 +99,26 @@ glm::vec3 placeIn(const RenderSpace& space, const glm::dvec3& point) {
   return {float(p.x), float(p.y), float(p.z)};
 }
 
+// The ranges of values in bricks of cells.
+std::vector<Range> brickRanges(const KernelCells& kernel, const ShownValues& shown, const Advance& advance) {
+  const size_t size = brickSize(kernel.corners);
+  std::vector<Range> bricks((kernel.size() + size - 1) / size);
+  parallelFor(
+      size_t(0), bricks.size(),
+      [&](size_t i) {
+        const size_t end = std::min((i + 1) * size, kernel.size());
+        for (size_t cell = i * size; cell < end; cell++) {
+          if (shown.constant) {
+            bricks[i].extend(double(shown.cells[cell]));
+          } else {
+            for (const uint32_t p : kernel.pointsOf(cell)) bricks[i].extend(double(shown.points[p]));
+          }
+        }
+      },
+      advance);
+  return bricks;
+}
+
 GeometryInPartition cellsOf(const MeshBlock& block, const KernelCells& kernel, const ShownValues& shown,
                             const RenderSpace& space, const Advance& advance) {
   GeometryInPartition cells;
@@ -111,7 +140,71 @@ GeometryInPartition cellsOf(const MeshBlock& block, const KernelCells& kernel, c
   cells.orders = kernel.orders;
   cells.shell = kernel.shell;
   cells.primitives = uint32_t(cells.shell.size());
+  cells.bricks = brickRanges(kernel, shown, advance);
   return cells;
+}
+
+bool isUnseen(const std::vector<uint32_t>& unseen, size_t brick) {
+  return (unseen[brick / 32] >> brick % 32 & 1) != 0;
+}
+
+// The bricks of which the map shows nothing, a bit for each; empty if they are too few to be worth leaving them out.
+std::vector<uint32_t> unseenBricks(const CompiledMap& map, const std::vector<Range>& bricks) {
+  std::vector<uint32_t> unseen((bricks.size() + 31) / 32, 0);
+  size_t count = 0;
+  for (size_t i = 0; i < bricks.size(); i++) {
+    if (shows(map, bricks[i])) continue;
+    unseen[i / 32] |= 1u << i % 32;
+    count++;
+  }
+  if (count * kWorthLeavingOut < bricks.size() || count == 0) unseen.clear();
+  return unseen;
+}
+
+// The cells without the bricks that are not seen: what rays meet first is then the faces between these and others.
+GeometryInPartition withoutBricks(std::shared_ptr<const GeometryInPartition> cells, uint32_t corners,
+                                  std::vector<uint32_t> unseen) {
+  GeometryInPartition part;
+  const size_t size = brickSize(corners), sides = corners == 4 ? 4 : 6;
+  const auto hasUnseen = [&](FaceId face) { return isUnseen(unseen, cellOf(face) / size); };
+  std::copy_if(cells->shell.begin(), cells->shell.end(), std::back_inserter(part.shell),
+               [&](FaceId face) { return !hasUnseen(face); });
+  const size_t count = cells->neighbours.size() / sides;
+  for (size_t brick = 0; brick < cells->bricks.size(); brick++) {
+    if (isUnseen(unseen, brick)) continue;
+    for (size_t cell = brick * size; cell < std::min((brick + 1) * size, count); cell++)
+      for (size_t side = 0; side < sides; side++) {
+        const FaceId behind = cells->neighbours[cell * sides + side];
+        if (behind != kNoFace && hasUnseen(behind)) part.shell.push_back(faceId(uint32_t(cell), int(side)));
+      }
+  }
+  part.primitives = uint32_t(part.shell.size());
+  part.unseen = std::move(unseen);
+  part.cells = std::move(cells);
+  return part;
+}
+
+// The cells of a partition that rays go through, given all of them; null if there are none.
+std::shared_ptr<const GeometryInPartition> seenCells(std::shared_ptr<const GeometryInPartition> cells,
+                                                     const CompiledOperator& op, const CompiledScene& scene,
+                                                     OtherScenes others, int partition) {
+  const MeshReport& report = op.data.mesh->report;
+  // Where cells overlap, those that are met first hide others, seen or not.
+  if (report.foldedFaces > 0 || report.crowdedFaces > 0) return cells;
+  std::vector<uint32_t> unseen = unseenBricks(op.map, cells->bricks);
+  if (unseen.empty()) return cells;
+  for (const auto& other : others)
+    for (const CompiledOperator& o : other->operators) {
+      if (other->space != scene.space || !showsSameValues(o, op)) continue;
+      const auto part = o.parts.find(partition);
+      if (part == o.parts.end() || !part->second.geometry) continue;
+      const auto& made = part->second.geometry;
+      if (made->cells == cells && made->unseen == unseen) return made;
+    }
+  GeometryInPartition part =
+      withoutBricks(std::move(cells), hasOnlyTetrahedra(*op.data.mesh) ? 4 : 8, std::move(unseen));
+  if (part.primitives == 0) return nullptr;
+  return std::make_shared<const GeometryInPartition>(std::move(part));
 }
 
 // Appends the cells that a surface passes, given the level at each point. It passes a cell if the level is above 0 at some of its
@@ -228,6 +321,8 @@ void planMesh(CompiledOperator& op, CompiledScene& scene, OtherScenes others, co
       if (!planned.geometry)
         planned.geometry = std::make_shared<const GeometryInPartition>(
             cellsOf(block, kernelCellsOnce(), shown, scene.space, partOf(part, 0, 2)));
+      if (planned.geometry->cells) planned.geometry = planned.geometry->cells;
+      planned.geometry = seenCells(std::move(planned.geometry), op, scene, others, partition);
     }
     if (!op.isovalues.empty() || !op.slices.empty()) {
       planned.surfaces =

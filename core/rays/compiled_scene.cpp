@@ -283,13 +283,14 @@ double largestRadius(const Vis& vis, const Range& range) {
 
 size_t GeometryInPartition::bytes() const {
   return 4 * (points.size() + normals.size() + values.size() + colors.size() + indices.size() +
-              neighbours.size() + orders.size() + shell.size());
+              neighbours.size() + orders.size() + shell.size() + unseen.size()) +
+         bricks.size() * sizeof(Range);
 }
 
 size_t CompiledScene::bytes() const {
   size_t n = 0;
   for (const auto& op : operators) {
-    n += (op.map.nodes.size() * 15 + op.map.buckets.size()) * 4;
+    n += (op.map.nodes.size() * 18 + op.map.buckets.size()) * 4;
     for (const auto& [partition, part] : op.parts) n += 4 * (part.plan.size() + part.isoMask.size());
   }
   return n;
@@ -299,8 +300,11 @@ std::vector<SharedBytes> CompiledScene::sharedBytes() const {
   std::vector<SharedBytes> shared;
   for (const auto& op : operators)
     for (const auto& [partition, part] : op.parts)
-      for (const auto& geometry : {part.geometry, part.surfaces})
-        if (geometry) shared.push_back({geometry.get(), geometry->bytes()});
+      for (const auto& geometry : {part.geometry, part.surfaces}) {
+        if (!geometry) continue;
+        shared.push_back({geometry.get(), geometry->bytes()});
+        if (geometry->cells) shared.push_back({geometry->cells.get(), geometry->cells->bytes()});
+      }
   return shared;
 }
 

@@ -59,10 +59,19 @@ struct GeometryInPartition {
   /// of hexahedra (kernels/hexahedron.h) where not all cells are tetrahedra.
   std::vector<uint32_t> neighbours;
   std::vector<uint32_t> orders;  ///< of hexahedra: one per cell (kernels/hexahedron.h)
-  std::vector<uint32_t> shell;   ///< of a mesh: MeshBlock::shell, likewise
-  uint32_t primitives = 0;       ///< 1 or more
+  std::vector<uint32_t>
+      shell;  ///< of a mesh: the sides where rays begin: MeshBlock::shell, likewise, and those of bricks that are not seen
+  uint32_t primitives = 0;  ///< 1 or more
+  /// Of a mesh: the ranges of stored values in bricks of 2^TETRAHEDRA_IN_BRICK tetrahedra or 2^HEXAHEDRA_IN_BRICK hexahedra.
+  std::vector<Range> bricks;
+  std::vector<uint32_t>
+      unseen;  ///< of a mesh: a bit for each brick that rays leave out; empty if there are none
+  /// Of a mesh of which rays leave out bricks: its cells. Then only `shell`, `primitives` and `unseen` are this part's own.
+  std::shared_ptr<const GeometryInPartition> cells;
 
-  size_t bytes() const;
+  /// The part that has the cells' arrays.
+  const GeometryInPartition& arrays() const { return cells ? *cells : *this; }
+  size_t bytes() const;  ///< without those of `cells`
 };
 
 /// The data of one operator in one local partition.

@@ -54,7 +54,7 @@ void fillMapView(View& v, const CompiledMap& map, Put& put) {
   v.nanRed = map.nan.r, v.nanGreen = map.nan.g, v.nanBlue = map.nan.b;
   v.bucket = put(map.buckets);
   v.nodes = put(map.nodes);
-  v.lengths = put(map.lengths);
+  v.spans = put(map.spans);
   v.rows = put(map.rows);
   v.pieces = put(map.pieces);
   v.sums = put(map.sums);
@@ -98,8 +98,9 @@ void fillVolumeView(View& v, const CompiledOperator& op, const OperatorInPartiti
 
 /// Fills in an operator's primitives in the partition.
 template <class View, class Put>
-void fillPrimitives(View& v, const GeometryInPartition& part, Put& put) {
-  v.primitives = part.primitives;
+void fillPrimitives(View& v, const GeometryInPartition& whole, Put& put) {
+  const GeometryInPartition& part = whole.arrays();
+  v.primitives = whole.primitives;
   const size_t largest = std::max({part.points.size(), part.indices.size(), part.neighbours.size()});
   v.wide = largest * sizeof(uint32_t) >= size_t(1) << 31;
   v.points = put(part.points);
@@ -109,7 +110,8 @@ void fillPrimitives(View& v, const GeometryInPartition& part, Put& put) {
   v.indices = put(part.indices);
   v.neighbours = put(part.neighbours);
   v.orders = put(part.orders);
-  v.shell = put(part.shell);
+  v.shell = put(whole.shell);
+  v.unseen = put(whole.unseen);
 }
 
 /// Fills in the cells that isosurfaces and slices of a mesh pass in the partition (OperatorInPartition::surfaces).

@@ -57,16 +57,17 @@ inline PrimitiveBounds primitiveBounds(int kind, const GeometryInPartition& part
     return primitiveBounds(corners, points, kAll, 0);
   }
   const FaceId face = part.shell[i];
+  const GeometryInPartition& cells = part.arrays();
   if (kind == KIND_HEX_SHELL) {
     const uint32_t corners = single::sideCorners(uint32_t(faceOf(face)));
     for (; n < 4; n++)
-      std::copy_n(&part.points[4 * size_t(part.indices[8 * size_t(cellOf(face)) + (corners >> 4 * n & 7)])],
+      std::copy_n(&cells.points[4 * size_t(cells.indices[8 * size_t(cellOf(face)) + (corners >> 4 * n & 7)])],
                   3, points + 4 * n);
     return primitiveBounds(4, points, kAll, 0);
   }
   for (int k = 0; k < 4; k++) {
     if (k == faceOf(face)) continue;
-    std::copy_n(&part.points[4 * size_t(part.indices[4 * size_t(cellOf(face)) + size_t(k)])], 3,
+    std::copy_n(&cells.points[4 * size_t(cells.indices[4 * size_t(cellOf(face)) + size_t(k)])], 3,
                 points + 4 * n++);
   }
   return primitiveBounds(3, points, kAll, 0);

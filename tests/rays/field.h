@@ -151,7 +151,7 @@ class View {
       : buckets_(s.map.buckets.begin(), s.map.buckets.end()),
         opaque_(s.map.opaque.begin(), s.map.opaque.end()),
         nodes_(s.map.nodes.begin(), s.map.nodes.end()),
-        lengths_(s.map.lengths.begin(), s.map.lengths.end()),
+        spans_(s.map.spans.begin(), s.map.spans.end()),
         rows_(s.map.rows.begin(), s.map.rows.end()),
         pieces_(s.map.pieces.begin(), s.map.pieces.end()),
         sums_(s.map.sums.begin(), s.map.sums.end()),
@@ -197,7 +197,7 @@ class View {
     map_.buckets = int(s.map.buckets.size());
     map_.nanRed = Real(s.map.nan.r), map_.nanGreen = Real(s.map.nan.g), map_.nanBlue = Real(s.map.nan.b);
     map_.origin = Real(s.map.origin), map_.inverse = Real(s.map.inverse);
-    map_.bucket = buckets_.data(), map_.nodes = nodes_.data(), map_.lengths = lengths_.data();
+    map_.bucket = buckets_.data(), map_.nodes = nodes_.data(), map_.spans = spans_.data();
     map_.rows = rows_.empty() ? nullptr : rows_.data();
     map_.pieces = pieces_.data(), map_.sums = sums_.data();
     map_.opaque = opaque_.data();
@@ -212,7 +212,7 @@ class View {
 
  private:
   std::vector<int> buckets_, opaque_;
-  std::vector<Real> nodes_, lengths_, rows_, pieces_, sums_, isovalues_;
+  std::vector<Real> nodes_, spans_, rows_, pieces_, sums_, isovalues_;
   std::vector<int32_t> plan_, isoMask_;
   typename Kernels<Real>::View view_{};
   typename Kernels<Real>::Map map_{};

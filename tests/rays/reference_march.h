@@ -16,8 +16,8 @@ inline void addPiece(const CompiledMap& map, double s0, double s1, double t, Pic
   const double middle = 0.5 * (s0 + s1);
   const int k = int(std::upper_bound(map.nodes.begin() + 1, map.nodes.end(), middle) - map.nodes.begin()) - 1;
   const float* m = &map.pieces[size_t(8 * k)];
-  const double f0 = (s0 - map.nodes[size_t(k)]) * map.lengths[size_t(k)],
-               f1 = (s1 - map.nodes[size_t(k)]) * map.lengths[size_t(k)];
+  const double f0 = (s0 - map.nodes[size_t(k)]) * map.spans[4 * size_t(k) + 1],
+               f1 = (s1 - map.nodes[size_t(k)]) * map.spans[4 * size_t(k) + 1];
   const double a = m[0] + f0 * m[1], b = m[0] + f1 * m[1], sigma = 0.5 * (a + b);
   if (!(sigma > 0)) return;
   const double tau = sigma * t, w = -(1 - p.A) * std::expm1(-tau);

@@ -109,6 +109,8 @@ std::vector<std::shared_ptr<const Mesh>> cut(const WholeMesh& whole, const Parti
     mesh->blocks = distribute(std::move(read), partitioning, counts, mine);
     mesh->report.cells = counts.cells;
     mesh->report.points = counts.points;
+    mesh->report.foldedFaces = sumOfCounts(mine, counts.foldedFaces);
+    mesh->report.crowdedFaces = sumOfCounts(mine, counts.crowdedFaces);
     meshes[size_t(mine.rank())] = mesh;
   });
   return meshes;

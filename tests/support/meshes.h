@@ -113,6 +113,8 @@ inline std::shared_ptr<Mesh> meshInOnePiece(MeshPiece piece, Box domain = {}, do
       0, meshBlock(std::move(piece), Partitioning::single(domain.empty() ? mesh->box : domain), 0, counts));
   mesh->report.cells = counts.cells;
   mesh->report.points = counts.points;
+  mesh->report.foldedFaces = counts.foldedFaces;
+  mesh->report.crowdedFaces = counts.crowdedFaces;
   return mesh;
 }
 
