@@ -95,6 +95,14 @@ void VolumeRows::visit(size_t part, const std::function<void(const ValueRow&)>& 
     }
 }
 
+glm::dvec3 placeOf(const Mesh& mesh, const MeshBlock& block, uint32_t entry) {
+  if (!mesh.ofCells) return block.points[entry];
+  glm::dvec3 sum(0);
+  const auto corners = block.cells.pointsOf(entry);
+  for (const uint32_t corner : corners) sum += block.points[corner];
+  return sum / double(corners.size());
+}
+
 MeshRows::MeshRows(const Mesh& mesh, const Partitioning& partitioning, int component)
     : mesh_(mesh), curve_(partitioning.domain()), component_(component) {
   offset = component < mesh.components ? mesh.shift : 0;
@@ -126,14 +134,6 @@ float MeshRows::valueOf(const float* values) const {
   return counted(float(std::sqrt(squares)));
 }
 
-glm::dvec3 MeshRows::positionOf(const MeshBlock& block, uint32_t entry) const {
-  if (!mesh_.ofCells) return block.points[entry];
-  glm::dvec3 sum(0);
-  const auto corners = block.cells.pointsOf(entry);
-  for (const uint32_t corner : corners) sum += block.points[corner];
-  return sum / double(corners.size());
-}
-
 void MeshRows::visit(size_t part, const std::function<void(const ValueRow&)>& use) const {
   const auto& [block, entries] = parts_[part];
   const float* const values = mesh_.ofCells ? block->cellValues.data() : block->values.data();
@@ -141,12 +141,14 @@ void MeshRows::visit(size_t part, const std::function<void(const ValueRow&)>& us
   std::vector<ValueKey> keys;
   for (const uint32_t entry : entries) {
     stored.push_back(valueOf(values + entry * size_t(mesh_.components)));
-    keys.push_back({curve_(positionOf(*block, entry)), 0});
+    keys.push_back({curve_(placeOf(mesh_, *block, entry)), 0});
   }
   ValueRow row;
   row.stored = stored;
   row.keys = keys.data();
-  row.position = [this, part](size_t i) { return positionOf(*parts_[part].block, parts_[part].entries[i]); };
+  row.position = [this, part](size_t i) {
+    return placeOf(mesh_, *parts_[part].block, parts_[part].entries[i]);
+  };
   use(row);
 }
 

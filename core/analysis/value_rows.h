@@ -63,8 +63,11 @@ class VolumeRows final : public ValueRows {
   std::vector<Part> parts_;
 };
 
+/// The place of a point of a block, or, if the data are those of cells, of a cell: the mean of its corners.
+glm::dvec3 placeOf(const Mesh& mesh, const MeshBlock& block, uint32_t entry);
+
 /// The points of a mesh, or its cells if the data are those of cells, each in one partition: the one that is nearest to the point, or to the
-/// cell's lowest point. A cell's position is the mean of its corners.
+/// cell's lowest point.
 class MeshRows final : public ValueRows {
  public:
   /// `component`: as many as there are means the magnitude. All must outlive it.
@@ -79,7 +82,6 @@ class MeshRows final : public ValueRows {
     std::vector<uint32_t> entries;  ///< points or cells of the block
   };
   float valueOf(const float* values) const;
-  glm::dvec3 positionOf(const MeshBlock& block, uint32_t entry) const;
 
   const Mesh& mesh_;
   const MortonCurve curve_;

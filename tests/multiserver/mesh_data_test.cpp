@@ -262,6 +262,27 @@ TEST(MeshData, AnExportedMeshIsTheSameWhenItIsImported) {
   }
 }
 
+TEST(MeshData, DerivedFieldsShareTheMeshAndAreDataLikeOthers) {
+  for (const int ranks : {1, 3}) {
+    MeshServer server(ranks);
+    server.client->expect(MeshServer::import("m", "cube.vtu"));
+    const json told = server.client->expect(
+        R"json(make {"name": "d", "filter": "Derive", "inputs": {"f": "m"}, "expression": "2 * f - max(f)"})json");
+    EXPECT_EQ(told.at("results").at(0).at("no data"), 0) << told;
+    const json info = server.client->expect("info d").at("datasets").at(0);
+    EXPECT_EQ(info.at("mesh"), (json{{"cells", 384}, {"tetrahedra", 384}, {"points", 125}}));
+    const auto ofM = datasetOn(server, 0, "m")->range();
+    EXPECT_NEAR(info.at("range").at(1).get<double>(), ofM.max, 1e-6);
+    for (int rank = 0; rank < ranks; rank++)
+      for (const auto& [partition, block] : datasetOn(server, rank, "d")->mesh->blocks)
+        EXPECT_TRUE(block.points.sharesWith(datasetOn(server, rank, "m")->mesh->blocks.at(partition).points));
+    server.client->expect("drop m");
+    server.client->expect("export d d.vtu");
+    server.client->expect("drop d");
+    server.expectNoMemory(ranks);
+  }
+}
+
 TEST(MeshData, WhatTakesNoMeshesSaysSo) {
   MeshServer server(2);
   server.client->expect(MeshServer::import("m", "cube.vtu"));
@@ -269,16 +290,16 @@ TEST(MeshData, WhatTakesNoMeshesSaysSo) {
   const std::string text = "\"m\" is an unstructured volume, which is not supported here yet";
   for (
       const char* make :
-      {R"({"name": "x", "filter": "Derive", "inputs": {"f": "m"}, "expression": "2 * f"})",
-       R"({"filter": "Statistics", "inputs": {"field": "ball", "f": "m"}, "where": "f > 1"})",
-       R"json({"filter": "Number", "inputs": {"f": "m"}, "expression": "max(f)"})json",
+      {R"({"filter": "Statistics", "inputs": {"field": "ball", "f": "m"}, "where": "f > 1"})",
        R"({"name": "x", "filter": "Resample", "inputs": {"field": "ball", "like": "m"}})",
        R"({"name": "x", "filter": "IsosurfaceSampler", "inputs": {"field": "m"}, "isovalue": 1, "count": 9})",
        R"({"name": "x", "filter": "RaySampler", "inputs": {"f": "m"},
             "operators": [{"dataset": "f", "isovalues": [1]}], "lines": 9})",
        R"({"name": "x", "filter": "DensitySampler", "inputs": {"field": "m"}, "count": 9})"})
     server.expectError("make " + std::string(make), text);
-  server.expectError(R"json(watch {"expression": "max(m) > 3"})json", text);
+  server.expectError(
+      R"(make {"name": "x", "filter": "Derive", "inputs": {"f": "m", "b": "ball"}, "expression": "f * b"})",
+      "`f` is an unstructured volume, and another input is on a grid");
   server.expectError("export m m.vti",
                      "export: file \"m.vti\" for dataset \"m\", which is an unstructured Volume: expected a "
                      "name that ends with one of .vtu");
