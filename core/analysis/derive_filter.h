@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/analysis/evaluate.h"
+#include "core/analysis/evaluate_mesh.h"
 #include "core/analysis/filter.h"
 
 namespace gxy {
@@ -20,6 +21,9 @@ struct Derive {
 
 /// The inputs of a run, which are the fields of an expression. Throws Error if there is none.
 std::vector<FieldInput> fieldsOf(const FilterRun& run, const std::string& filter);
+
+/// Likewise if the inputs are unstructured volumes; none if they are on grids. Throws Error if there are both.
+std::vector<MeshInput> meshFieldsOf(const FilterRun& run, const std::string& filter);
 
 /// Reads a key that is an expression, and checks it as far as that goes without its inputs.
 std::string readExpression(const Found& found);

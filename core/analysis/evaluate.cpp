@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/analysis/field_graph.h"
+#include "core/analysis/evaluation.h"
 #include "core/analysis/field_passes.h"
 #include "core/analysis/field_tiles.h"
 #include "core/analysis/statistics.h"
@@ -21,8 +21,6 @@
 
 namespace gxy {
 namespace {
-
-using Op = ExpressionOp;
 
 /// Copies to the points of a block's rim that are owned what the nearest point with data of its own has.
 void fillRim(VolumeBlock& block, const Extent& owned, const DataPoints& data, size_t bytesPerPoint) {
@@ -46,49 +44,13 @@ void fillRim(VolumeBlock& block, const Extent& owned, const DataPoints& data, si
     }
 }
 
-/// The computation of one expression on this rank.
-class Evaluation {
+/// The computation of one expression of fields on a grid on this rank.
+class GridEvaluation final : public Evaluation {
  public:
-  Evaluation(const Expression& expression, std::span<const FieldInput> inputs, Collectives& ranks,
-             const DeriveOptions& options)
-      : expression_(expression), inputs_(inputs), ranks_(ranks), options_(options) {
-    if (options_.memory) memory_ = options_.memory;
+  GridEvaluation(const Expression& expression, std::span<const FieldInput> inputs, Collectives& ranks,
+                 const DeriveOptions& options)
+      : Evaluation(expression, ranks, options), inputs_(inputs) {
     agree(ranks_, [&] { prepare(); });
-  }
-
-  ValueType type() const { return types_.back(); }
-  size_t root() const { return types_.size() - 1; }
-
-  /// Throws Error unless the result is a field.
-  void expectField(bool logical) const {
-    if (type().number)
-      throw Error("expression: the result is a " + nameOf(type()) +
-                  ", which is the same at all points, expected a field");
-    if (logical && type().kind != ValueType::Kind::Logical)
-      throw Error("expression: the result is a " + nameOf(type()) +
-                  ", expected a condition, such as a comparison");
-  }
-
-  /// Throws Error unless the result is one number.
-  void expectNumber() const {
-    if (!type().number || type().components() != 1)
-      throw Error("expression: the result is a " + nameOf(type()) + ", expected a number, such as max(f)");
-  }
-
-  double number() const { return numberAt(root()); }
-
-  /// Finds the numbers of `time` and of queries, in the order of the text.
-  void findNumbers() {
-    const auto nodes = expression_.nodes();
-    for (size_t i = 0; i < nodes.size(); ++i) {
-      if (nodes[i].op == Op::Time)
-        agree(ranks_, [&] {
-          if (std::isnan(options_.time))
-            expression_.fail(nodes[i].position, "the time of the inputs is not known");
-          numbers_[i] = options_.time;
-        });
-      if (nodes[i].op >= Op::MinOf) numbers_[i] = query(nodes[i]);
-    }
   }
 
   DerivedField derived() {
@@ -111,10 +73,7 @@ class Evaluation {
   /// Returns a field of operation `node`. Owned points are set; with `ghosts`, all are.
   Volume samplesOf(size_t node, bool ghosts, FieldResults& results) {
     std::vector<FieldPass> passes;
-    agree(ranks_, [&] {
-      const FieldGraph graph = graphOf(expression_, types_, typed_, numbers_, node);
-      passes = passesOf(graph, int(inputs_.size()), kGhostLayers);
-    });
+    agree(ranks_, [&] { passes = passesOf(graphAt(node), int(inputs_.size()), kGhostLayers); });
     const bool logical = types_[node].kind == ValueType::Kind::Logical;
     std::vector<const Volume*> fields;
     for (const FieldInput& input : inputs_) fields.push_back(input.volume.get());
@@ -142,6 +101,7 @@ class Evaluation {
 
   void prepare() {
     if (inputs_.empty()) throw Error("expression: there are no inputs, expected at least one field");
+    std::vector<ExpressionInput> typed;
     for (const FieldInput& input : inputs_) {
       const std::string both = inQuotes(inputs_[0].name, '`') + " and " + inQuotes(input.name, '`');
       if (input.volume->grid != grid())
@@ -152,10 +112,9 @@ class Evaluation {
                     " are cut into different partitions, expected the same ones; import " +
                     inQuotes(input.name, '`') + " like " + inQuotes(inputs_[0].name, '`'));
       checkBlocks(input);
-      typed_.push_back({input.name, input.volume->components});
+      typed.push_back({input.name, input.volume->components});
     }
-    types_ = typesOf(expression_, typed_);
-    numbers_.assign(types_.size(), std::numeric_limits<double>::quiet_NaN());
+    setInputs(std::move(typed));
     const DataPoints data(grid());
     for (const auto& entry : inputs_[0].volume->blocks) {
       const Extent owned = ownedPoints(grid(), partitioning(), entry.first);
@@ -182,48 +141,12 @@ class Evaluation {
     }
   }
 
-  double numberAt(size_t node) const {
-    const FieldGraph graph = graphOf(expression_, types_, typed_, numbers_, node);
-    return graph.values[size_t(graph.results[0])].number;
+  Statistics statisticsOfInput(const std::string& name, const StatisticsOptions& wanted) override {
+    const auto input = std::ranges::find(inputs_, name, &FieldInput::name);
+    return fieldStatistics(*input->volume, partitioning(), ranks_, wanted);
   }
 
-  double query(const ExpressionNode& node) {
-    StatisticsOptions wanted;
-    agree(ranks_, [&] {
-      if (node.op != Op::QuantileOf) return;
-      const double fraction = numberAt(size_t(node.operands[1]));
-      if (!(fraction >= 0 && fraction <= 1))
-        expression_.fail(node.position,
-                         "quantile() at " + std::to_string(fraction) + ", expected a number from 0 to 1");
-      wanted.quantiles = {fraction};
-    });
-    const Statistics found = statisticsAt(size_t(node.operands[0]), wanted);
-    if (found.count == 0) return std::numeric_limits<double>::quiet_NaN();
-    switch (node.op) {
-      case Op::MinOf:
-        return found.least.value;
-      case Op::MaxOf:
-        return found.largest.value;
-      case Op::MeanOf:
-        return found.mean;
-      case Op::SumOf:
-        return found.sum;
-      default:
-        return found.quantiles[0];
-    }
-  }
-
-  /// Numbers of operation `node`, of the samples of an input if it is one or a component of one.
-  Statistics statisticsAt(size_t node, StatisticsOptions wanted) {
-    const auto nodes = expression_.nodes();
-    const ExpressionNode& n = nodes[node];
-    const bool isComponent = n.op == Op::Component && nodes[size_t(n.operands[0])].op == Op::Input;
-    if (n.op == Op::Input || isComponent) {
-      const int32_t which = isComponent ? nodes[size_t(n.operands[0])].index : n.index;
-      const auto input = std::ranges::find(inputs_, expression_.names()[size_t(which)], &FieldInput::name);
-      wanted.component = isComponent ? n.index : 0;
-      return fieldStatistics(*input->volume, partitioning(), ranks_, wanted);
-    }
+  Statistics statisticsOfNode(size_t node, const StatisticsOptions& wanted) override {
     FieldResults ignored;
     const Volume samples = samplesOf(node, false, ignored);
     const Statistics found = fieldStatistics(samples, partitioning(), ranks_, wanted);
@@ -283,14 +206,7 @@ class Evaluation {
     return statistics;
   }
 
-  const Expression& expression_;
   const std::span<const FieldInput> inputs_;
-  Collectives& ranks_;
-  const DeriveOptions& options_;
-  std::function<void(int64_t)> memory_ = [](int64_t) {};
-  std::vector<ExpressionInput> typed_;
-  std::vector<ValueType> types_;
-  std::vector<double> numbers_;             ///< of `time` and of queries, by node
   std::map<int, Extent> owned_, computed_;  ///< by partition
   std::optional<GhostPlan> plan_;
 };
@@ -299,7 +215,7 @@ class Evaluation {
 
 DerivedField derive(const Expression& expression, std::span<const FieldInput> inputs, Collectives& ranks,
                     const DeriveOptions& options) {
-  Evaluation evaluation(expression, inputs, ranks, options);
+  GridEvaluation evaluation(expression, inputs, ranks, options);
   agree(ranks, [&] { evaluation.expectField(false); });
   evaluation.findNumbers();
   return evaluation.derived();
@@ -307,7 +223,7 @@ DerivedField derive(const Expression& expression, std::span<const FieldInput> in
 
 std::shared_ptr<Volume> conditionOf(const Expression& expression, std::span<const FieldInput> inputs,
                                     Collectives& ranks, const DeriveOptions& options) {
-  Evaluation evaluation(expression, inputs, ranks, options);
+  GridEvaluation evaluation(expression, inputs, ranks, options);
   agree(ranks, [&] { evaluation.expectField(true); });
   evaluation.findNumbers();
   FieldResults ignored;
@@ -316,7 +232,7 @@ std::shared_ptr<Volume> conditionOf(const Expression& expression, std::span<cons
 
 double numberOf(const Expression& expression, std::span<const FieldInput> inputs, Collectives& ranks,
                 const DeriveOptions& options) {
-  Evaluation evaluation(expression, inputs, ranks, options);
+  GridEvaluation evaluation(expression, inputs, ranks, options);
   double number = 0;
   agree(ranks, [&] { evaluation.expectNumber(); });
   evaluation.findNumbers();

@@ -16,8 +16,10 @@ FilterInfo NumberFilter::info() {
       "A number that an expression computes of whole fields, such as `max(p) - min(p)`; or whether a "
       "condition "
       "holds, such as `max(p) > 3`. It tells `value`: a number, true or false, or null where there are no "
-      "data.",
-      {{"any name", kVolumes, "A field; the expression calls it by this name.", FilterPort::Count::AnyName}},
+      "data. Of unstructured volumes, which are on one mesh, each point counts once, or each cell if the "
+      "values are those of cells.",
+      {{"any name", kVolumes | kUnstructured, "A field; the expression calls it by this name.",
+        FilterPort::Count::AnyName}},
       std::nullopt};
 }
 
@@ -32,21 +34,25 @@ std::vector<KeyRow<NumberFilter>> NumberFilter::properties() {
 
 FilterResult NumberFilter::run(FilterRun& run) const {
   std::vector<FieldInput> fields;
+  std::vector<MeshInput> meshFields;
   std::optional<Expression> parsed;
   bool logical = false;
   run.begin(0, 1, "number");
   agree(run.ranks, [&] {
-    fields = fieldsOf(run, "Number");
+    meshFields = meshFieldsOf(run, "Number");
+    if (meshFields.empty()) fields = fieldsOf(run, "Number");
     parsed.emplace(expression);
     std::vector<ExpressionInput> inputs;
     for (const FieldInput& f : fields) inputs.push_back({f.name, f.volume->components});
+    for (const MeshInput& f : meshFields) inputs.push_back({f.name, f.mesh->components});
     logical = typesOf(*parsed, inputs).back().kind == ValueType::Kind::Logical;
   });
   WorkingMemory working(run);
   DeriveOptions options;
   options.time = run.time();
   options.memory = working.teller();
-  const double value = numberOf(*parsed, fields, run.ranks, options);
+  const double value = meshFields.empty() ? numberOf(*parsed, fields, run.ranks, options)
+                                          : numberOf(*parsed, meshFields, run.ranks, options);
   FilterResult result;
   result.told["value"] = std::isnan(value) ? nlohmann::json()
                          : logical         ? nlohmann::json(value != 0)

@@ -12,6 +12,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "core/analysis/field_tiles.h"
@@ -44,7 +45,16 @@ struct Candidate {
   void improve(const Candidate& other, float sign) {
     if (!other.exists) return;
     const float mine = sign * stored, theirs = sign * other.stored;
-    if (!exists || theirs < mine || (theirs == mine && other.key < key)) *this = other;
+    if (!exists || theirs < mine || (theirs == mine && other.isBefore(*this))) *this = other;
+  }
+
+ private:
+  /// Several points of a mesh may be at one place along the curve.
+  bool isBefore(const Candidate& other) const {
+    const auto placeOf = [](const Candidate& c) {
+      return std::tuple(c.key, c.position.x, c.position.y, c.position.z);
+    };
+    return placeOf(*this) < placeOf(other);
   }
 };
 
@@ -82,7 +92,7 @@ struct Extremes {
     for (size_t i = 0; i < row.stored.size(); ++i) {
       if (row.stored[i] != value || (row.where && !row.where[i])) continue;
       if (mine.exists && mine.key < row.key(i)) continue;
-      mine = {value, true, row.key(i), row.position(i)};
+      mine.improve({value, true, row.key(i), row.position(i)}, sign);
       if (!row.keys) break;
     }
     best.improve(mine, sign);
@@ -414,6 +424,23 @@ T merged(Collectives& ranks, const T& mine) {
 }
 
 }  // namespace
+
+Statistics meshStatistics(const Mesh& mesh, const Partitioning& partitioning, Collectives& ranks,
+                          const StatisticsOptions& options) {
+  std::optional<MeshRows> rows;
+  agree(ranks, [&] {
+    check(options);
+    const int c = options.component;
+    if (c < 0 || c > mesh.components)
+      throw Error("statistics: component " + std::to_string(c) + " of a field of " +
+                  std::to_string(mesh.components) + ", expected 0 to " + std::to_string(mesh.components));
+    rows.emplace(mesh, partitioning, c);
+  });
+  Statistics all = Measurement(*rows, ranks, options).statistics(0);
+  for (ExtremeValue* extreme : {&all.least, &all.largest})
+    extreme->index = std::min<int64_t>(extreme->index, 0);
+  return all;
+}
 
 Statistics fieldStatistics(const Volume& volume, const Partitioning& partitioning, Collectives& ranks,
                            const StatisticsOptions& options, const Volume* where) {

@@ -13,6 +13,7 @@
 
 #include "core/comm/collectives.h"
 #include "core/data/geometry.h"
+#include "core/data/mesh.h"
 #include "core/data/partitioning.h"
 #include "core/data/volume.h"
 
@@ -28,7 +29,7 @@ struct StatisticsOptions {
 };
 
 /// A value and where it is. Among equal values it is that at the lowest index: of a grid's points x + nx (y + ny z), of geometry the
-/// lowest id.
+/// lowest id, of a mesh the first along Morton's curve and then by x, y and z.
 struct ExtremeValue {
   double value = 0;
   int64_t index = -1;
@@ -60,6 +61,11 @@ struct Statistics {
 /// not from 0 to 1, and a `where` with another grid.
 Statistics fieldStatistics(const Volume& volume, const Partitioning& partitioning, Collectives& ranks,
                            const StatisticsOptions& options = {}, const Volume* where = nullptr);
+
+/// Collective. The same of an unstructured volume: of its values at points, each point once on whichever partitions and ranks it is, or, if its data
+/// are those of cells, of those, each cell once. There is no integral, and extremes have the index 0.
+Statistics meshStatistics(const Mesh& mesh, const Partitioning& partitioning, Collectives& ranks,
+                          const StatisticsOptions& options = {});
 
 /// Collective. The same of the values at points of geometry, of which each rank gives what it owns. Path lines: each point once
 /// among the segments of a rank's block; `length` and `integral` are those of segments.

@@ -16,21 +16,25 @@ using nlohmann::json;
 
 json finite(double x) { return std::isfinite(x) ? json(x) : json(); }
 
-json described(const ExtremeValue& e) {
+enum class Of { Grid, Mesh, Points, Lines };
+
+json described(const ExtremeValue& e, Of of) {
   if (e.index < 0) return nullptr;
-  return {{"value", e.value}, {"index", e.index}, {"position", {e.position.x, e.position.y, e.position.z}}};
+  json told{{"value", e.value}, {"position", {e.position.x, e.position.y, e.position.z}}};
+  if (of != Of::Mesh) told["index"] = e.index;
+  return told;
 }
 
-json described(const Statistics& s, GeometryKind* kind) {
+json described(const Statistics& s, Of of) {
   json told{{"count", s.count},
             {"no data", s.noData},
-            {"least", described(s.least)},
-            {"largest", described(s.largest)},
+            {"least", described(s.least, of)},
+            {"largest", described(s.largest, of)},
             {"sum", finite(s.sum)},
             {"mean", finite(s.mean)},
             {"variance", finite(s.variance)}};
-  if (!kind || *kind == GeometryKind::PathLines) told["integral"] = finite(s.integral);
-  if (kind && *kind == GeometryKind::PathLines) told["length"] = finite(s.length);
+  if (of == Of::Grid || of == Of::Lines) told["integral"] = finite(s.integral);
+  if (of == Of::Lines) told["length"] = finite(s.length);
   if (!s.histogram.empty())
     told["histogram"] = {{"range", {finite(s.binRange.min), finite(s.binRange.max)}},
                          {"counts", s.histogram}};
@@ -48,8 +52,11 @@ FilterInfo StatisticsFilter::info() {
           1,
           "Numbers of a field, or of the values of geometry: `count`, `no data`, `least` and `largest` with "
           "their positions, `sum`, `mean`, `variance`, "
-          "`integral`, `length` of lines, a histogram and exact quantiles.",
-          {{"field", kVolumes | kParticles | kPathLines | kTriangles, "Whose values."},
+          "`integral`, `length` of lines, a histogram and exact quantiles. Of an unstructured volume each "
+          "point counts once, or each "
+          "cell if the values are those of cells (`values` says which), whatever its size, and there is no "
+          "`integral`.",
+          {{"field", kVolumes | kUnstructured | kParticles | kPathLines | kTriangles, "Whose values."},
            {"any name", kVolumes, "A field; `where` calls it by this name. It calls the input `field` so.",
             FilterPort::Count::AnyName}},
           std::nullopt};
@@ -116,8 +123,21 @@ FilterResult StatisticsFilter::run(FilterRun& run) const {
       memory = run.takeMemory("geometry", bytesToShow(*geometry, shown));
       geometry = geometryToShow(geometry, shown, source.name);
     });
-    GeometryKind kind = geometry->kind;
-    result.told = described(geometryStatistics(geometry->block, kind, run.ranks, options), &kind);
+    const GeometryKind kind = geometry->kind;
+    result.told = described(geometryStatistics(geometry->block, kind, run.ranks, options),
+                            kind == GeometryKind::PathLines ? Of::Lines : Of::Points);
+    return result;
+  }
+  if (const Mesh* mesh = source.data->mesh.get()) {
+    agree(run.ranks, [&] {
+      if (!array.empty() || !where.empty())
+        throw Error("Statistics: `array` is for fields of points, and `where` for fields on a grid, and " +
+                    inQuotes(source.name) + " is an unstructured volume");
+      const int number = componentOf(mesh->components, source.name, component);
+      options.component = number < 0 ? mesh->components : number;
+    });
+    result.told = described(meshStatistics(*mesh, *source.data->partitioning, run.ranks, options), Of::Mesh);
+    result.told["values"] = mesh->ofCells ? "cells" : "points";
     return result;
   }
   const Volume& volume = *source.data->volume;
@@ -139,7 +159,7 @@ FilterResult StatisticsFilter::run(FilterRun& run) const {
     holds = conditionOf(*condition, fieldsOf(run, "Statistics"), run.ranks, derive);
   }
   result.told = described(
-      fieldStatistics(volume, *source.data->partitioning, run.ranks, options, holds.get()), nullptr);
+      fieldStatistics(volume, *source.data->partitioning, run.ranks, options, holds.get()), Of::Grid);
   return result;
 }
 

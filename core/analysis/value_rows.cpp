@@ -95,6 +95,63 @@ void VolumeRows::visit(size_t part, const std::function<void(const ValueRow&)>& 
     }
 }
 
+glm::dvec3 placeOf(const Mesh& mesh, const MeshBlock& block, uint32_t entry) {
+  if (!mesh.ofCells) return block.points[entry];
+  glm::dvec3 sum(0);
+  const auto corners = block.cells.pointsOf(entry);
+  for (const uint32_t corner : corners) sum += block.points[corner];
+  return sum / double(corners.size());
+}
+
+MeshRows::MeshRows(const Mesh& mesh, const Partitioning& partitioning, int component)
+    : mesh_(mesh), curve_(partitioning.domain()), component_(component) {
+  offset = component < mesh.components ? mesh.shift : 0;
+  scale = mesh.scale;
+  for (const auto& [partition, block] : mesh.blocks) {
+    std::vector<uint8_t> isHere(block.points.size(), 1);
+    for (size_t p = 0; p < isHere.size() && partitioning.partitions() > 1; ++p)
+      isHere[p] = partitioning.nearest(block.points[p]) == partition;
+    const auto count = uint32_t(mesh.ofCells ? block.cells.size() : block.points.size());
+    bool begins = true;
+    for (uint32_t entry = 0; entry < count; ++entry) {
+      uint32_t point = entry;
+      if (mesh.ofCells) {
+        const auto corners = block.cells.pointsOf(entry);
+        point = *std::min_element(corners.begin(), corners.end());
+      }
+      if (!isHere[point]) continue;
+      if (begins || parts_.back().entries.size() == kPart) parts_.push_back({&block, {}});
+      parts_.back().entries.push_back(entry);
+      begins = false;
+    }
+  }
+}
+
+float MeshRows::valueOf(const float* values) const {
+  if (component_ < mesh_.components) return counted(values[component_]);
+  double squares = 0;
+  for (int c = 0; c < mesh_.components; ++c) squares += double(values[c]) * double(values[c]);
+  return counted(float(std::sqrt(squares)));
+}
+
+void MeshRows::visit(size_t part, const std::function<void(const ValueRow&)>& use) const {
+  const auto& [block, entries] = parts_[part];
+  const float* const values = mesh_.ofCells ? block->cellValues.data() : block->values.data();
+  std::vector<float> stored;
+  std::vector<ValueKey> keys;
+  for (const uint32_t entry : entries) {
+    stored.push_back(valueOf(values + entry * size_t(mesh_.components)));
+    keys.push_back({curve_(placeOf(mesh_, *block, entry)), 0});
+  }
+  ValueRow row;
+  row.stored = stored;
+  row.keys = keys.data();
+  row.position = [this, part](size_t i) {
+    return placeOf(mesh_, *parts_[part].block, parts_[part].entries[i]);
+  };
+  use(row);
+}
+
 void GeometryRows::visit(size_t part, const std::function<void(const ValueRow&)>& use) const {
   std::vector<float> values;
   std::vector<ValueKey> keys;

@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "core/data/geometry.h"
+#include "core/data/mesh.h"
+#include "core/data/morton.h"
 #include "core/data/partitioning.h"
 #include "core/data/volume.h"
 
 namespace gxy {
 
-/// Where a value is: an index of a point or an id, and which of the points with that id.
+/// Where a value is: an index of a point or an id, and which of the points with that id; of a mesh, the place along Morton's curve.
 struct ValueKey {
   uint64_t id = 0;
   uint32_t which = 0;
@@ -58,6 +60,32 @@ class VolumeRows final : public ValueRows {
   const Volume& volume_;
   const int component_;
   const Volume* const where_;
+  std::vector<Part> parts_;
+};
+
+/// The place of a point of a block, or, if the data are those of cells, of a cell: the mean of its corners.
+glm::dvec3 placeOf(const Mesh& mesh, const MeshBlock& block, uint32_t entry);
+
+/// The points of a mesh, or its cells if the data are those of cells, each in one partition: the one that is nearest to the point, or to the
+/// cell's lowest point.
+class MeshRows final : public ValueRows {
+ public:
+  /// `component`: as many as there are means the magnitude. All must outlive it.
+  MeshRows(const Mesh& mesh, const Partitioning& partitioning, int component);
+  size_t parts() const override { return parts_.size(); }
+  void visit(size_t part, const std::function<void(const ValueRow&)>& use) const override;
+
+ private:
+  static constexpr size_t kPart = 8192;
+  struct Part {
+    const MeshBlock* block;
+    std::vector<uint32_t> entries;  ///< points or cells of the block
+  };
+  float valueOf(const float* values) const;
+
+  const Mesh& mesh_;
+  const MortonCurve curve_;
+  const int component_;
   std::vector<Part> parts_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/data/complete_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -32,9 +33,9 @@ std::vector<Range> rangesOf(const std::vector<double>& values, size_t components
   return ranges;
 }
 
-Mesh meshWith(EncodedValues values, const MeshBlockCounts& counts, const Box& box, bool ofCells) {
+Mesh meshWith(EncodedValues values, const MeshBlockCounts& counts, const Box& box) {
   Mesh mesh;
-  mesh.ofCells = ofCells;
+  mesh.ofCells = values.ofCells;
   mesh.components = values.components;
   mesh.shift = values.shift;
   mesh.scale = values.scale;
@@ -58,10 +59,45 @@ Mesh meshWith(EncodedValues values, const MeshBlockCounts& counts, const Box& bo
   return mesh;
 }
 
-EncodedValues encodedCounting(ScalarType type, int components, const std::vector<double>& values,
-                              std::span<const uint8_t> leftOut, Collectives& ranks, const ToTake& toTake) {
+// The points of cells that are no duplicates.
+Box boxOf(const MeshPiece& piece) {
+  Box box;
+  for (const CellType type : kAllCellTypes) {
+    const std::vector<uint8_t>& duplicates = piece.duplicates[size_t(type)];
+    const size_t n = shapeOf(type).points;
+    for (size_t cell = 0; cell < duplicates.size(); cell++)
+      for (size_t i = 0; i < n && !duplicates[cell]; i++)
+        box.extend(piece.points[piece.cells.points[size_t(type)][cell * n + i]]);
+  }
+  return box;
+}
+
+std::vector<uint8_t> duplicatesOf(const MeshPiece& piece) {
+  std::vector<uint8_t> all;
+  for (const auto& ofType : piece.duplicates) all.insert(all.end(), ofType.begin(), ofType.end());
+  return all;
+}
+
+void keepDuplicates(const MeshPiece& piece, MeshLayout& layout) {
+  std::vector<uint8_t> duplicates = duplicatesOf(piece);
+  if (std::find(duplicates.begin(), duplicates.end(), 1) == duplicates.end()) return;
+  layout.duplicates = std::move(duplicates);
+  layout.pointsOfDuplicates.assign(piece.points.size(), 1);
+  for (const CellType type : kAllCellTypes) {
+    const std::vector<uint32_t>& corners = piece.cells.points[size_t(type)];
+    const size_t n = shapeOf(type).points;
+    for (size_t i = 0; i < corners.size(); i++)
+      if (!piece.duplicates[size_t(type)][i / n]) layout.pointsOfDuplicates[corners[i]] = 0;
+  }
+}
+
+}  // namespace
+
+EncodedValues encodedValues(ScalarType type, int components, bool ofCells, const std::vector<double>& values,
+                            std::span<const uint8_t> leftOut, Collectives& ranks, const ToTake& toTake) {
   EncodedValues encoded;
   encoded.components = components;
+  encoded.ofCells = ofCells;
   const Advance advance = [&](double) { ranks.check(); };
   agree(ranks, [&] { encoded.ranges = rangesOf(values, size_t(components), leftOut, advance); });
   mergeRanges(ranks, encoded.ranges);
@@ -80,26 +116,6 @@ EncodedValues encodedCounting(ScalarType type, int components, const std::vector
   return encoded;
 }
 
-// The points of cells that are no duplicates.
-Box boxOf(const MeshPiece& piece) {
-  Box box;
-  for (const CellType type : kAllCellTypes) {
-    const std::vector<uint8_t>& duplicates = piece.duplicates[size_t(type)];
-    const size_t n = shapeOf(type).points;
-    for (size_t cell = 0; cell < duplicates.size(); cell++)
-      for (size_t i = 0; i < n && !duplicates[cell]; i++)
-        box.extend(piece.points[piece.cells.points[size_t(type)][cell * n + i]]);
-  }
-  return box;
-}
-
-}  // namespace
-
-EncodedValues encodedValues(ScalarType type, int components, std::vector<double> values, Collectives& ranks,
-                            const ToTake& toTake) {
-  return encodedCounting(type, components, values, {}, ranks, toTake);
-}
-
 EncodedMesh encodedMesh(MeshPiece piece, ScalarType type, std::vector<double> values, Collectives& ranks,
                         const ToTake& toTake) {
   EncodedMesh mesh;
@@ -108,10 +124,8 @@ EncodedMesh encodedMesh(MeshPiece piece, ScalarType type, std::vector<double> va
   else
     for (const glm::dvec3& p : piece.points) mesh.box.extend(p);
   mergeBox(ranks, mesh.box);
-  std::vector<uint8_t> duplicates;
-  for (const auto& ofType : piece.duplicates)
-    duplicates.insert(duplicates.end(), ofType.begin(), ofType.end());
-  EncodedValues encoded = encodedCounting(type, piece.components, values, duplicates, ranks, toTake);
+  EncodedValues encoded =
+      encodedValues(type, piece.components, piece.ofCells, values, duplicatesOf(piece), ranks, toTake);
   mesh.piece = std::move(piece);
   auto from = encoded.stored.begin();
   for (size_t kind = 0; kind < kCellTypes && mesh.piece.ofCells; kind++) {
@@ -134,12 +148,13 @@ int64_t bytesOf(const MeshLayout& layout) {
 
 Mesh completeMesh(EncodedMesh read, const Partitioning& partitioning, Collectives& ranks,
                   const ToTake& toTake, MeshLayout* layout) {
-  EncodedValues values{{}, read.piece.components, read.shift, read.scale, std::move(read.ranges)};
+  EncodedValues values{{},         read.piece.components, read.piece.ofCells, read.shift,
+                       read.scale, std::move(read.ranges)};
   MeshBlockCounts counts;
-  const bool ofCells = read.piece.ofCells;
+  if (layout) agree(ranks, [&] { keepDuplicates(read.piece, *layout); });
   std::map<int, MeshBlock> blocks = distribute(std::move(read.piece), partitioning, counts, ranks, toTake,
                                                layout ? &layout->routes : nullptr);
-  Mesh mesh = meshWith(std::move(values), counts, read.box, ofCells);
+  Mesh mesh = meshWith(std::move(values), counts, read.box);
   mesh.blocks = std::move(blocks);
   if (!layout) return mesh;
   for (const auto& [partition, block] : mesh.blocks)
@@ -152,9 +167,10 @@ Mesh completeMesh(EncodedMesh read, const Partitioning& partitioning, Collective
 Mesh completeMesh(EncodedValues values, const MeshLayout& layout, const Partitioning& partitioning,
                   Collectives& ranks, const ToTake& toTake) {
   MeshBlockCounts counts = layout.counts;
-  std::map<int, MeshBlock> blocks = distributeValues(layout.blocks, layout.routes, values.stored,
-                                                     values.components, partitioning, counts, ranks, toTake);
-  Mesh mesh = meshWith(std::move(values), counts, layout.box, false);
+  std::map<int, MeshBlock> blocks =
+      distributeValues(layout.blocks, layout.routes, values.stored, values.components, values.ofCells,
+                       partitioning, counts, ranks, toTake);
+  Mesh mesh = meshWith(std::move(values), counts, layout.box);
   mesh.blocks = std::move(blocks);
   return mesh;
 }

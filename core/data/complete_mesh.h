@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "core/comm/collectives.h"
@@ -22,14 +23,16 @@ using ToTake = std::function<void(int64_t)>;
 struct EncodedValues {
   std::vector<float> stored;
   int components = 1;
+  bool ofCells = false;
   double shift = 0, scale = 1;
   std::vector<Range> ranges;
 };
 
 /// Collective. Stores `values`, the components of a point together, as float, as encodingOf() says of `type` and of the values of all
-/// ranks. All ranks give the same type and components. If any rank fails, all throw the same Error.
-EncodedValues encodedValues(ScalarType type, int components, std::vector<double> values, Collectives& ranks,
-                            const ToTake& toTake = {});
+/// ranks. All ranks give the same type and components. `leftOut`: 1 for each point or cell that counts for no range; empty if all do. If any
+/// rank fails, all throw the same Error.
+EncodedValues encodedValues(ScalarType type, int components, bool ofCells, const std::vector<double>& values,
+                            std::span<const uint8_t> leftOut, Collectives& ranks, const ToTake& toTake = {});
 
 /// Cells of one rank whose values are stored as those of all ranks are.
 struct EncodedMesh {
@@ -50,18 +53,20 @@ struct MeshLayout {
   MeshBlockCounts counts;
   ValueRoutes routes;
   Box box;
+  /// 1 for each point of the piece that only duplicates have, and for each duplicate (CellSources). Empty if there are none.
+  std::vector<uint8_t> pointsOfDuplicates, duplicates;
 };
-/// Memory of the blocks in bytes, without the routes.
+/// Memory of the blocks in bytes, without the rest.
 int64_t bytesOf(const MeshLayout& layout);
 
 /// Collective. The cells go into every partition that they touch. Fills all but the mesh's name, and of its report what distribute()
 /// counts. There may be no cells. `layout`, if not null, becomes that of further meshes on the same points and cells, whose values are
-/// at points. `toTake`: as in distribute(). If any rank fails, all throw the same Error.
+/// at points, or of cells if those of `read` are. `toTake`: as in distribute(). If any rank fails, all throw the same Error.
 Mesh completeMesh(EncodedMesh read, const Partitioning& partitioning, Collectives& ranks,
                   const ToTake& toTake = {}, MeshLayout* layout = nullptr);
 
-/// Collective. Returns the mesh with other values at the same points, which the piece of this rank had when the layout was made, in the
-/// same order. It shares all but the values with other meshes of the layout, and is what completeMesh() would make anew.
+/// Collective. Returns the mesh with other values at the same points or of the same cells, which the piece of this rank had when the layout was
+/// made, in the same order. It shares all but the values with other meshes of the layout, and is what completeMesh() would make anew.
 Mesh completeMesh(EncodedValues values, const MeshLayout& layout, const Partitioning& partitioning,
                   Collectives& ranks, const ToTake& toTake = {});
 

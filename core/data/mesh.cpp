@@ -64,6 +64,7 @@ std::span<const uint32_t> CellsByType<Numbers>::pointsOf(uint32_t cell) const {
 
 template struct CellsByType<std::vector<uint32_t>>;
 template struct CellsByType<SharedVector<uint32_t>>;
+template struct CellsByType<std::span<const uint32_t>>;
 
 bool hasOnlyTetrahedra(const Mesh& mesh) {
   const auto& cells = mesh.report.cells;

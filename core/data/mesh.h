@@ -61,9 +61,14 @@ struct CellsByType {
   uint32_t first(CellType type) const;
   CellType typeOf(uint32_t cell) const;
   std::span<const uint32_t> pointsOf(uint32_t cell) const;
+  /// The same cells, which must outlive the view.
+  CellsByType<std::span<const uint32_t>> view() const {
+    return {{points[0], points[1], points[2], points[3]}};
+  }
 };
 using MeshCells = CellsByType<std::vector<uint32_t>>;
 using SharedMeshCells = CellsByType<SharedVector<uint32_t>>;
+using MeshCellsView = CellsByType<std::span<const uint32_t>>;
 
 /// Arrays by type that do not change any more.
 template <class T>

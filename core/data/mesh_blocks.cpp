@@ -14,7 +14,6 @@
 #include "core/data/mesh_defects.h"
 #include "core/data/mesh_values.h"
 #include "core/data/morton.h"
-#include "core/data/point_averages.h"
 
 namespace gxy {
 
@@ -50,15 +49,17 @@ void checkSizes(const MeshPiece& piece) {
                 (piece.ofCells ? "the numbers" : "those") + " of each point");
 }
 
-bool lacksData(const float* values, int components) {
-  return std::any_of(values, values + components, [](float v) { return !std::isfinite(v); });
-}
-
-/// Whether values come before others: NaN is behind all numbers.
-bool isLower(const float* a, const float* b, int components) {
-  for (int c = 0; c < components; c++)
-    if (a[c] != b[c] && !(std::isnan(a[c]) && std::isnan(b[c]))) return std::isnan(b[c]) || a[c] < b[c];
-  return false;
+/// The values of all cells of a piece, types one after the other.
+std::vector<float> together(std::array<std::vector<float>, kCellTypes> values) {
+  std::vector<float> all;
+  for (std::vector<float>& some : values) {
+    if (all.empty())
+      all = std::move(some);
+    else
+      all.insert(all.end(), some.begin(), some.end());
+    some = {};
+  }
+  return all;
 }
 
 template <size_t N>
@@ -83,41 +84,51 @@ class BlockMaker {
   BlockMaker(MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts)
       : piece_(std::move(piece)), partitioning_(partitioning), partition_(partition), counts_(counts) {}
 
-  MeshBlock make(const Advance& advance, PointSources* sources) {
+  MeshBlock make(const Advance& advance, BlockSources* sources) {
     placePoints(partOf(advance, 0, 4));
+    if (piece_.ofCells) numberCells();
     collapseHexahedra();
     const Advance ordering = partOf(advance, 1, 4);
     orderCells<4>(CellType::Tetrahedron, partOf(ordering, 0, kCellTypes));
     orderCells<5>(CellType::Pyramid, partOf(ordering, 1, kCellTypes));
     orderCells<6>(CellType::Wedge, partOf(ordering, 2, kCellTypes));
     orderCells<8>(CellType::Hexahedron, partOf(ordering, 3, kCellTypes));
-    if (piece_.ofCells) averageCells(partOf(advance, 2, 4));
+    if (piece_.ofCells) dropDuplicates();
     if (dropped_) dropUnusedPoints();
-    for (const uint8_t isHere : sources_.isHere) counts_.points += isHere;
-    for (const PointSources::Source& source : sources_.sources) counts_.mergedPoints += source.merged;
+    PointSources& ofPoints = sources_.points;
+    for (const uint8_t isHere : ofPoints.isHere) counts_.points += isHere;
+    for (const PointSources::Source& source : ofPoints.sources) counts_.mergedPoints += source.merged;
     MeshBlock block;
-    if (piece_.ofCells)
-      giveCellValues(block);
-    else
-      block.values = valuesOfBlock(sources_, piece_.values, piece_.components, partition_, counts_);
+    if (!piece_.ofCells)
+      block.values = valuesOfBlock(ofPoints, piece_.values, piece_.components, partition_, counts_);
     piece_.values = {};
-    advance(piece_.ofCells ? 0.75 : 0.5);
+    advance(0.5);
     Connectivity found = connect(cells_, points_.size());
-    for (const uint32_t point : found.crowdedAt) counts_.crowdedFaces += sources_.isHere[point];
+    for (const uint32_t point : found.crowdedAt) counts_.crowdedFaces += ofPoints.isHere[point];
     block.points = std::move(points_);
     block.cells.points = shared(std::move(cells_.points));
     block.neighbours = shared(std::move(found.neighbours));
     block.shell = std::move(found.shell);
-    const MeshDefects defects = defectsOf(block, sources_.isHere);
+    const MeshDefects defects = defectsOf(block, ofPoints.isHere);
     counts_.foldedFaces += defects.foldedFaces;
     counts_.hangingPoints += defects.hangingPoints;
     counts_.splitFaces += defects.splitFaces;
+    if (piece_.ofCells)
+      giveCellValues(block, sources_, together(std::move(piece_.cellValues)), piece_.components,
+                     partitioning_, partition_, counts_, partOf(advance, 3, 4));
     if (sources) *sources = std::move(sources_);
     advance(1);
     return block;
   }
 
  private:
+  void numberCells() {
+    sources_.cells.emplace();
+    uint64_t& cells = sources_.cells->cellsOfPiece;
+    for (size_t type = 0; type < kCellTypes; type++)
+      for (size_t i = 0; i < piece_.duplicates[type].size(); i++) from_[type].push_back(uint32_t(cells++));
+  }
+
   /// Hexahedra with repeated points become the cells that they are. These have points of the piece, of which several may be at one place.
   void collapseHexahedra() {
     std::vector<uint32_t>& hexahedra = piece_.cells.points[size_t(CellType::Hexahedron)];
@@ -140,22 +151,18 @@ class BlockMaker {
     }
     hexahedra.resize(kept);
     if (!piece_.ofCells) return;
-    piece_.cellValues[kHexes].resize(kept / 8 * size_t(piece_.components));
+    from_[kHexes].resize(kept / 8);
     piece_.duplicates[kHexes].resize(kept / 8);
   }
 
-  /// The value of a hexahedron becomes that of the last cell of a type.
+  /// A hexahedron becomes the last cell of a type.
   void becomes(size_t hexahedron, CellType type) {
-    const float* values = piece_.cellValues[kHexes].data() + hexahedron * size_t(piece_.components);
-    std::vector<float>& to = piece_.cellValues[size_t(type)];
-    to.insert(to.end(), values, values + piece_.components);
+    from_[size_t(type)].push_back(from_[kHexes][hexahedron]);
     piece_.duplicates[size_t(type)].push_back(piece_.duplicates[kHexes][hexahedron]);
   }
 
   void movesTo(size_t hexahedron, size_t place) {
-    const auto components = size_t(piece_.components);
-    float* const values = piece_.cellValues[kHexes].data();
-    std::copy_n(values + hexahedron * components, components, values + place * components);
+    from_[kHexes][place] = from_[kHexes][hexahedron];
     piece_.duplicates[kHexes][place] = piece_.duplicates[kHexes][hexahedron];
   }
 
@@ -168,12 +175,14 @@ class BlockMaker {
   /// Makes one point of all at one place, in the order of the block; numberOf_ says which one each point of the piece becomes.
   void placePoints(const Advance& advance) {
     const std::vector<Place> places = orderedPlaces(advance);
+    const std::vector<uint8_t> isSource = pointsOfCells(false);
     numberOf_.resize(piece_.points.size());
     points_.reserve(places.size());
-    std::vector<uint8_t>& isHere = sources_.isHere;
+    std::vector<uint8_t>& isHere = sources_.points.isHere;
+    std::vector<PointSources::Source>& sources = sources_.points.sources;
     isHere.reserve(places.size());
-    sources_.sources.reserve(places.size());
-    sources_.pointsOfPiece = piece_.points.size();
+    sources.reserve(places.size());
+    sources_.points.pointsOfPiece = piece_.points.size();
     uint64_t lastNumber = 0;  // several ranks may have read a point
     for (const auto& [along, point] : places) {
       const glm::dvec3& p = piece_.points[point];
@@ -183,19 +192,31 @@ class BlockMaker {
         isHere.push_back(partitioning_.partitions() == 1 || partitioning_.nearest(p) == partition_);
       }
       numberOf_[point] = uint32_t(points_.size() - 1);
-      const bool merged = !isNew && isHere.back() && piece_.numbers[point] != lastNumber;
-      sources_.sources.push_back({point, numberOf_[point], merged});
+      if (!isSource[point]) continue;
+      const bool isFirst = sources.empty() || sources.back().to != numberOf_[point];
+      const bool merged = !isFirst && isHere.back() && piece_.numbers[point] != lastNumber;
+      sources.push_back({point, numberOf_[point], merged});
       lastNumber = piece_.numbers[point];
     }
     piece_.points = {};
     piece_.numbers = {};
   }
 
+  /// By point of the piece: whether a cell has it, of those that are no duplicates, or of all.
+  std::vector<uint8_t> pointsOfCells(bool duplicatesToo) const {
+    std::vector<uint8_t> used(piece_.points.size(), 0);
+    for (const CellType type : kAllCellTypes) {
+      const std::vector<uint32_t>& corners = piece_.cells.points[size_t(type)];
+      const size_t n = shapeOf(type).points;
+      for (size_t i = 0; i < corners.size(); i++)
+        if (duplicatesToo || !isDuplicate(type, i / n)) used[corners[i]] = 1;
+    }
+    return used;
+  }
+
   /// The points that cells have, along the curve, those at one place by their numbers in the files.
   std::vector<Place> orderedPlaces(const Advance& advance) {
-    std::vector<uint8_t> used(piece_.points.size(), 0);
-    for (const auto& cells : piece_.cells.points)
-      for (const uint32_t point : cells) used[point] = 1;
+    const std::vector<uint8_t> used = pointsOfCells(true);
     std::vector<Place> places;
     places.reserve(piece_.points.size());
     for (uint32_t i = 0; i < piece_.points.size(); i++)
@@ -241,12 +262,12 @@ class BlockMaker {
       for (size_t i = 0; i < N; i++) cell[i] = numberOf_[read[at + i]];
       const CellPoints<N> sorted = ascending(cell);
       if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
-        counts_.degenerateCells += sources_.isHere[sorted[0]] && !isDuplicate(type, at / N);
+        counts_.degenerateCells += sources_.points.isHere[sorted[0]] && !isDuplicate(type, at / N);
         dropped_ = true;
         continue;
       }
       counts_.invertedCells +=
-          sources_.isHere[sorted[0]] && !isDuplicate(type, at / N) && isInverted(points_, type, cell);
+          sources_.points.isHere[sorted[0]] && !isDuplicate(type, at / N) && isInverted(points_, type, cell);
       if (type == CellType::Tetrahedron) cell = sorted;
       std::copy(cell.begin(), cell.end(), read.begin() + std::ptrdiff_t(from.size() * N));
       from.push_back(uint32_t(at / N));
@@ -260,16 +281,16 @@ class BlockMaker {
       cells[end[*std::min_element(cell.points.begin(), cell.points.end())]++] = cell;
     }
     read = {};
-    sortAmongSameLowest(cells, end, advance);
+    sortAmongSameLowest(type, cells, end, advance);
     made.reserve(cells.size() * N);
     for (auto cell = cells.begin(); cell != cells.end();) {
       const CellPoints<N> sorted = ascending(cell->points);
       const auto next = std::find_if(
           cell + 1, cells.end(), [&](const ReadCell<N>& other) { return ascending(other.points) != sorted; });
       made.insert(made.end(), cell->points.begin(), cell->points.end());
-      const bool isHere = sources_.isHere[sorted[0]];
+      const bool isHere = sources_.points.isHere[sorted[0]];
       auto several = uint64_t(next - cell);
-      if (piece_.ofCells) several = takeValues(type, std::span<const ReadCell<N>>(cell, next), isHere);
+      if (piece_.ofCells) several = addSources(type, std::span<const ReadCell<N>>(cell, next));
       if (isHere && several > 0) {
         counts_.cells[size_t(type)]++;
         counts_.repeatedCells += several - 1;
@@ -282,56 +303,44 @@ class BlockMaker {
     return piece_.ofCells && piece_.duplicates[size_t(type)][cell];
   }
 
-  /// Appends the value of the one of these cells that is kept. Returns how many of them are no duplicates of other pieces' cells.
+  /// Returns how many of these cells with the same points are no duplicates of other pieces' cells.
   template <size_t N>
-  uint64_t takeValues(CellType type, std::span<const ReadCell<N>> same, bool isHere) {
-    const int components = piece_.components;
-    const float* const all = piece_.cellValues[size_t(type)].data();
-    const auto valuesOf = [&](const ReadCell<N>& cell) {
-      return all + size_t(cell.from) * size_t(components);
-    };
-    const ReadCell<N>* kept = nullptr;
+  uint64_t addSources(CellType type, std::span<const ReadCell<N>> same) {
     uint64_t several = 0;
     for (const ReadCell<N>& cell : same) {
       const bool duplicate = isDuplicate(type, cell.from);
-      const bool first = !kept || (!duplicate && several == 0);
-      if (first || (duplicate == (several == 0) && isLower(valuesOf(cell), valuesOf(*kept), components)))
-        kept = &cell;
+      sources_.cells->sources.push_back(
+          {from_[size_t(type)][cell.from], uint32_t(onlyDuplicate_.size()), duplicate});
       several += !duplicate;
     }
-    if (isHere && several > 1)
-      counts_.differingCells += std::any_of(same.begin(), same.end(), [&](const ReadCell<N>& cell) {
-        return !isDuplicate(type, cell.from) && (isLower(valuesOf(cell), valuesOf(*kept), components) ||
-                                                 isLower(valuesOf(*kept), valuesOf(cell), components));
-      });
-    cellValues_.insert(cellValues_.end(), valuesOf(*kept), valuesOf(*kept) + components);
     onlyDuplicate_.push_back(several == 0);
     return several;
   }
 
-  /// end[p]: the end of the cells whose lowest point is p.
+  /// end[p]: the end of the cells whose lowest point is p. Duplicates come after the cells that they are duplicates of.
   template <size_t N>
-  static void sortAmongSameLowest(std::vector<ReadCell<N>>& cells, const std::vector<size_t>& end,
-                                  const Advance& advance) {
+  void sortAmongSameLowest(CellType type, std::vector<ReadCell<N>>& cells, const std::vector<size_t>& end,
+                           const Advance& advance) {
     const auto sortCellsOf = [&](size_t p) {
       const auto from = cells.begin() + std::ptrdiff_t(p == 0 ? 0 : end[p - 1]);
       const auto to = cells.begin() + std::ptrdiff_t(end[p]);
-      std::sort(from, to, [](const ReadCell<N>& a, const ReadCell<N>& b) {
+      std::sort(from, to, [this, type](const ReadCell<N>& a, const ReadCell<N>& b) {
         if constexpr (N == 4) return a.points < b.points;
         const CellPoints<N> x = ascending(a.points), y = ascending(b.points);
-        return x != y ? x < y : a.points < b.points;
+        if (x != y) return x < y;
+        const bool p = isDuplicate(type, a.from), q = isDuplicate(type, b.from);
+        return p != q ? q : a.points < b.points;
       });
     };
     if (!cells.empty()) parallelFor(size_t(0), end.size() - 1, sortCellsOf, advance);
   }
 
-  /// Gives values to points. Then cells that are there as duplicates only have served, and leave.
-  void averageCells(const Advance& advance) {
-    values_ = averagesAtPoints(points_, cells_, cellValues_, piece_.components, advance);
+  /// Cells that are there as duplicates only serve averages, and leave the block.
+  void dropDuplicates() {
     if (std::none_of(onlyDuplicate_.begin(), onlyDuplicate_.end(), [](uint8_t only) { return only; })) return;
     dropped_ = true;
-    const auto components = size_t(piece_.components);
-    size_t cell = 0, kept = 0;
+    sources_.cells->served = {points_, cells_, {}};
+    size_t cell = 0;
     for (const CellType type : kAllCellTypes) {
       std::vector<uint32_t>& cells = cells_.points[size_t(type)];
       const size_t n = shapeOf(type).points, count = cells.size() / n;
@@ -340,32 +349,9 @@ class BlockMaker {
         if (onlyDuplicate_[cell]) continue;
         std::copy_n(cells.begin() + std::ptrdiff_t(i * n), n,
                     cells.begin() + std::ptrdiff_t(keptOfType++ * n));
-        std::copy_n(cellValues_.begin() + std::ptrdiff_t(cell * components), components,
-                    cellValues_.begin() + std::ptrdiff_t(kept++ * components));
       }
       cells.resize(keptOfType * n);
     }
-    cellValues_.resize(kept * components);
-  }
-
-  void giveCellValues(MeshBlock& block) {
-    uint32_t cell = 0;
-    for (const CellType type : kAllCellTypes) {
-      const std::vector<uint32_t>& cells = cells_.points[size_t(type)];
-      const auto n = std::ptrdiff_t(shapeOf(type).points);
-      for (auto at = cells.begin(); at != cells.end(); at += n, cell++) {
-        float* const values = cellValues_.data() + cell * size_t(piece_.components);
-        if (!lacksData(values, piece_.components)) continue;
-        counts_.noDataCells += sources_.isHere[*std::min_element(at, at + n)];
-        std::fill_n(values, piece_.components, std::numeric_limits<float>::quiet_NaN());
-      }
-    }
-    std::vector<uint32_t> here;
-    for (uint32_t p = 0; p < points_.size() && partitioning_.partitions() > 1; p++)
-      if (sources_.isHere[p]) here.push_back(p);
-    if (!here.empty()) counts_.differing[partition_] = std::move(here);
-    block.values = std::move(values_);
-    block.cellValues = std::move(cellValues_);
   }
 
   void dropUnusedPoints() {
@@ -374,22 +360,21 @@ class BlockMaker {
     for (const auto& cells : cells_.points)
       for (const uint32_t point : cells) numbers[point] = 0;
     uint32_t kept = 0;
-    const auto components = size_t(piece_.components);
+    PointSources& sources = sources_.points;
+    CellSources::Served* served =
+        sources_.cells && sources_.cells->served ? &*sources_.cells->served : nullptr;
     for (size_t p = 0; p < numbers.size(); p++) {
       if (numbers[p] == kNone) continue;
       points_[kept] = points_[p];
-      if (piece_.ofCells)
-        std::copy_n(values_.begin() + std::ptrdiff_t(p * components), components,
-                    values_.begin() + std::ptrdiff_t(kept * components));
-      sources_.isHere[kept] = sources_.isHere[p];
+      if (served) served->keptPoints.push_back(uint32_t(p));
+      sources.isHere[kept] = sources.isHere[p];
       numbers[p] = kept++;
     }
     points_.resize(kept);
-    if (piece_.ofCells) values_.resize(kept * components);
-    sources_.isHere.resize(kept);
-    std::erase_if(sources_.sources,
+    sources.isHere.resize(kept);
+    std::erase_if(sources.sources,
                   [&](const PointSources::Source& source) { return numbers[source.to] == kNone; });
-    for (PointSources::Source& source : sources_.sources) source.to = numbers[source.to];
+    for (PointSources::Source& source : sources.sources) source.to = numbers[source.to];
     for (auto& cells : cells_.points)
       for (uint32_t& point : cells) point = numbers[point];
   }
@@ -401,10 +386,11 @@ class BlockMaker {
   MeshBlockCounts& counts_;
   std::vector<glm::dvec3> points_;  // of the block, as are the next two
   MeshCells cells_;
-  PointSources sources_;
+  BlockSources sources_;
   std::vector<uint32_t> numberOf_;  // by point of the piece: its number in the block
-  // If the data are those of cells: by point and by cell of the block, and whether all cells with a cell's points are duplicates.
-  std::vector<float> values_, cellValues_;
+  // If the data are those of cells: by type which cells of the piece as it came they are, and whether all cells with a cell's points are
+  // duplicates.
+  std::array<std::vector<uint32_t>, kCellTypes> from_;
   std::vector<uint8_t> onlyDuplicate_;
   bool dropped_ = false;  // a cell, which may have been the only one with its points
 };
@@ -437,7 +423,7 @@ void validate(const MeshPiece& piece) {
 }
 
 MeshBlock meshBlock(MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts,
-                    const Advance& advance, PointSources* sources) {
+                    const Advance& advance, BlockSources* sources) {
   validate(piece);
   return BlockMaker(std::move(piece), partitioning, partition, counts).make(advance, sources);
 }

@@ -48,7 +48,7 @@ int64_t bytesOf(const MeshPiece& piece);
 /// coordinates.
 void validate(const MeshPiece& piece);
 
-struct PointSources;  // core/data/mesh_values.h
+struct BlockSources;  // core/data/mesh_values.h
 struct ValueRoutes;
 
 /// What making blocks has counted. Each cell and point is counted in one partition, the one that is nearest to it, so that sums over all
@@ -70,20 +70,20 @@ struct MeshBlockCounts {
 /// a point twice are left out, and points that no cell has. If the data are those of cells, of several cells with the same points the
 /// lowest value is kept, and points get averages of the cells around them that are in the piece. Throws Error for a piece that is not valid,
 /// and if there are too many points or cells. Takes time and memory that grow as the mesh does. `sources`, if not null, becomes where the
-/// points of the block come from.
+/// points and cells of the block come from.
 MeshBlock meshBlock(
     MeshPiece piece, const Partitioning& partitioning, int partition, MeshBlockCounts& counts,
-    const Advance& advance = [](double) {}, PointSources* sources = nullptr);
+    const Advance& advance = [](double) {}, BlockSources* sources = nullptr);
 
 /// Returns one message for each rank, including this one, with the cells of `read` that touch the rank's partitions, or come as near
 /// as borderSlack(). Throws Error for a piece that is not valid, or if a partition's owner is not below `ranks`. `routes`, if not null,
-/// becomes which points go where.
+/// becomes which points and cells go where.
 std::vector<Bytes> packForOwners(
     const MeshPiece& read, const Partitioning& partitioning, int ranks,
     const Advance& advance = [](double) {}, ValueRoutes* routes = nullptr);
 
 /// Returns the blocks of all partitions of `rank` to which cells belong, from the messages of all ranks in any order. Throws Error for
-/// a malformed message. `routes`, if not null, becomes where the points of blocks come from; the messages are those of all ranks in
+/// a malformed message. `routes`, if not null, becomes where points and cells of blocks come from; the messages are those of all ranks in
 /// ascending order then.
 std::map<int, MeshBlock> unpackMesh(
     const Partitioning& partitioning, int rank, std::span<const Bytes> received, MeshBlockCounts& counts,

@@ -28,6 +28,19 @@ std::optional<int> dimensionOf(int vtkType);
 /// What cells of a kind are called, for users: "quadratic tetrahedra". Null for kinds that VTK does not know.
 const char* pluralOfKind(int vtkType);
 
+/// Bits of VTK's arrays vtkGhostType, one for each cell and one for each point.
+inline constexpr uint8_t kDuplicateCell = 1, kRefinedCell = 8, kHiddenCell = 32, kHiddenPoint = 2;
+/// The name of these arrays.
+inline constexpr const char* kGhostArray = "vtkGhostType";
+/// Whether meshes leave out a cell with these bits.
+constexpr bool isGhostCell(uint8_t bits) {
+  return (bits & (kDuplicateCell | kRefinedCell | kHiddenCell)) != 0;
+}
+/// Whether that is because another piece has it, so that it serves averages at points nevertheless.
+constexpr bool isDuplicateOnly(uint8_t bits) {
+  return (bits & (kDuplicateCell | kRefinedCell | kHiddenCell)) == kDuplicateCell;
+}
+
 /// Returns a text such as "triangles (12), wedges (1)".
 std::string describe(const CellKinds& kinds);
 

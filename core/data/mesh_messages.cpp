@@ -205,7 +205,11 @@ std::vector<Bytes> packForOwners(const MeshPiece& read, const Partitioning& part
     writer.write(int32_t(p));
     std::vector<uint32_t> taken;
     write(writer, subset.of(touching[p], partOf(packing, p, partitions), taken));
-    if (routes) routes->sent[size_t(owner)].push_back({int(p), std::move(taken)});
+    for (const CellType type : kAllCellTypes)  // They become numbers among all cells.
+      for (uint32_t& cell : touching[p][size_t(type)]) cell += read.cells.first(type);
+    if (routes)
+      routes->sent[size_t(owner)].push_back(
+          {int(p), std::move(taken), read.ofCells ? std::move(touching[p]) : CellNumbers()});
     touching[p] = {};
   }
   std::vector<Bytes> messages;

@@ -20,7 +20,7 @@ struct CellsAround {
   std::vector<size_t> first;  // by point, and the end of all
   std::vector<uint32_t> cells;
 
-  CellsAround(const MeshCells& all, size_t points) : first(points + 1, 0) {
+  CellsAround(const MeshCellsView& all, size_t points) : first(points + 1, 0) {
     for (const auto& ofType : all.points)
       for (const uint32_t point : ofType) first[point + 1]++;
     for (size_t p = 0; p < points; p++) first[p + 1] += first[p];
@@ -28,7 +28,7 @@ struct CellsAround {
     std::vector<size_t> next(first.begin(), first.end() - 1);
     uint32_t cell = 0;
     for (const CellType type : kAllCellTypes) {
-      const std::vector<uint32_t>& corners = all.points[size_t(type)];
+      const std::span<const uint32_t> corners = all.points[size_t(type)];
       const size_t n = shapeOf(type).points;
       for (size_t at = 0; at < corners.size(); at += n, cell++)
         for (size_t i = 0; i < n; i++) cells[next[corners[at + i]]++] = cell;
@@ -111,7 +111,7 @@ bool isFiniteCell(std::span<const float> values) {
 /// The average at one point after the other. One thread at a time may use it.
 class PointAverage {
  public:
-  PointAverage(std::span<const glm::dvec3> points, const MeshCells& cells, std::span<const float> values,
+  PointAverage(std::span<const glm::dvec3> points, const MeshCellsView& cells, std::span<const float> values,
                size_t components)
       : points_(points), cells_(cells), values_(values), components_(components) {}
 
@@ -152,7 +152,7 @@ class PointAverage {
   }
 
   const std::span<const glm::dvec3> points_;
-  const MeshCells& cells_;
+  const MeshCellsView& cells_;
   const std::span<const float> values_;
   const size_t components_;
   std::vector<glm::dvec3> places_;
@@ -162,7 +162,7 @@ class PointAverage {
 
 }  // namespace
 
-std::vector<float> averagesAtPoints(std::span<const glm::dvec3> points, const MeshCells& cells,
+std::vector<float> averagesAtPoints(std::span<const glm::dvec3> points, const MeshCellsView& cells,
                                     std::span<const float> values, int components, const Advance& advance) {
   const CellsAround around(cells, points.size());
   const auto each = size_t(components);

@@ -23,7 +23,7 @@ namespace gxy {
 ///
 /// Sums are in the order of cells, so the result has the same bits wherever all cells of a point are there in the same order.
 std::vector<float> averagesAtPoints(
-    std::span<const glm::dvec3> points, const MeshCells& cells, std::span<const float> values, int components,
-    const Advance& advance = [](double) {});
+    std::span<const glm::dvec3> points, const MeshCellsView& cells, std::span<const float> values,
+    int components, const Advance& advance = [](double) {});
 
 }  // namespace gxy

@@ -23,8 +23,10 @@ namespace gxy {
 
 namespace {
 
-constexpr unsigned char kLeftOut = vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::REFINEDCELL |
-                                   vtkDataSetAttributes::HIDDENCELL;
+static_assert(kDuplicateCell == vtkDataSetAttributes::DUPLICATECELL &&
+              kRefinedCell == vtkDataSetAttributes::REFINEDCELL &&
+              kHiddenCell == vtkDataSetAttributes::HIDDENCELL &&
+              kHiddenPoint == vtkDataSetAttributes::HIDDENPOINT);
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
 /// Returns which array gives the values, among those that have been read.
@@ -78,11 +80,9 @@ class MeshReader {
   }
 
  private:
-  bool isGhost(vtkIdType cell) const { return ghosts_ && (ghosts_->GetValue(cell) & kLeftOut); }
+  bool isGhost(vtkIdType cell) const { return ghosts_ && isGhostCell(ghosts_->GetValue(cell)); }
 
-  bool isHidden(vtkIdType point) const {
-    return hidden_ && (hidden_->GetValue(point) & vtkDataSetAttributes::HIDDENPOINT);
-  }
+  bool isHidden(vtkIdType point) const { return hidden_ && (hidden_->GetValue(point) & kHiddenPoint); }
 
   /// Returns how many points the cells from `first` to `end` have that become cells of the mesh.
   int64_t countKinds(vtkIdType first, vtkIdType end) {
@@ -103,9 +103,7 @@ class MeshReader {
   }
 
   /// Whether a ghost has a value for averages at points.
-  bool serves(vtkIdType cell) const {
-    return content_.ofCells && (ghosts_->GetValue(cell) & kLeftOut) == vtkDataSetAttributes::DUPLICATECELL;
-  }
+  bool serves(vtkIdType cell) const { return content_.ofCells && isDuplicateOnly(ghosts_->GetValue(cell)); }
 
   void take(vtkIdType cell, vtkDataArray* values) {
     const int type = list_.type(cell);

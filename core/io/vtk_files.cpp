@@ -55,6 +55,11 @@ void writeGeometry(const std::string& path, const GeometryBlock& block, Geometry
   vtk(path).writeGeometry(path, block, kind, array, whole);
 }
 
+void writeMesh(const std::string& path, const GatheredMesh& mesh, const std::string& array, ScalarType type,
+               int components, bool ofCells) {
+  vtk(path).writeMesh(path, mesh, array, type, components, ofCells);
+}
+
 bool copyGeometry(const std::string& from, const std::string& to) { return vtk(to).copyGeometry(from, to); }
 
 void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiece>& pieces,

@@ -16,6 +16,7 @@ const gxy::VtkPlugin table = {.shareReadRules = gxy::shareReadRules,
                               .likelyKind = gxy::likelyKind,
                               .readMesh = gxy::readMesh,
                               .writeGeometry = gxy::writeGeometry,
+                              .writeMesh = gxy::writeMesh,
                               .copyGeometry = gxy::copyGeometry,
                               .writeGeometryPieces = gxy::writeGeometryPieces};
 

@@ -24,6 +24,7 @@ struct VtkPlugin {
   decltype(&gxy::likelyKind) likelyKind;
   decltype(&gxy::readMesh) readMesh;
   decltype(&gxy::writeGeometry) writeGeometry;
+  decltype(&gxy::writeMesh) writeMesh;
   decltype(&gxy::copyGeometry) copyGeometry;
   decltype(&gxy::writeGeometryPieces) writeGeometryPieces;
 };

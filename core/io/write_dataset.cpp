@@ -6,6 +6,7 @@
 
 #include "core/comm/error.h"
 #include "core/data/gather.h"
+#include "core/data/gather_mesh.h"
 #include "core/data/geometry_bytes.h"
 #include "core/io/write_geometry.h"
 #include "core/io/write_volume.h"
@@ -38,10 +39,29 @@ void writeWholeGeometry(const Dataset& dataset, Collectives& ranks, const std::s
   });
 }
 
+void writeWholeMesh(const Dataset& dataset, Collectives& ranks, const std::string& path) {
+  const Mesh& mesh = *dataset.mesh;
+  const GatheredMesh all = gatherMesh(mesh, *dataset.partitioning, ranks);
+  agree(ranks, [&] {
+    if (ranks.rank() == 0)
+      writeMesh(path, all, arrayName(dataset), gatheredType(mesh), mesh.components, mesh.ofCells);
+  });
+}
+
+void checkExtension(const std::vector<std::string>& extensions, const std::string& file,
+                    const std::string& what) {
+  std::string list;
+  for (const std::string& extension : extensions) {
+    if (file.size() > extension.size() && file.ends_with(extension)) return;
+    list += (list.empty() ? "" : ", ") + extension;
+  }
+  throw Error("file \"" + file + "\" for " + what + ": expected a name that ends with one of " + list);
+}
+
 }  // namespace
 
 std::vector<std::string> extensionsFor(const std::optional<GeometryKind>& kind) {
-  if (!kind) return {".vti"};
+  if (!kind) return {".vti", ".vtu"};
   switch (*kind) {
     case GeometryKind::Particles:
       return {".vtp", ".vtu", ".csv"};
@@ -54,17 +74,17 @@ std::vector<std::string> extensionsFor(const std::optional<GeometryKind>& kind) 
 }
 
 void checkFileFor(const std::optional<GeometryKind>& kind, const std::string& file, const std::string& what) {
-  std::string list;
-  for (const std::string& extension : extensionsFor(kind)) {
-    if (file.size() > extension.size() && file.ends_with(extension)) return;
-    list += (list.empty() ? "" : ", ") + extension;
-  }
-  throw Error("file \"" + file + "\" for " + what + ", which is " + nameOf(kind) +
-              ": expected a name that ends with one of " + list);
+  checkExtension(extensionsFor(kind), file, what + ", which is " + nameOf(kind));
+}
+
+void checkFileFor(const Dataset& dataset, const std::string& file, const std::string& what) {
+  if (dataset.geometry) return checkFileFor(dataset.geometry->kind, file, what);
+  if (dataset.mesh) return checkExtension({".vtu"}, file, what + ", which is an unstructured Volume");
+  checkExtension({".vti"}, file, what + ", which is a Volume on a uniform grid");
 }
 
 int64_t gatheringBytes(const Dataset& dataset, bool root) {
-  if (dataset.mesh) refuseMesh(dataset, dataset.mesh->name, "writing a dataset");
+  if (dataset.mesh) return gatheringBytes(*dataset.mesh, root);
   if (dataset.volume) {
     const int64_t slice = gatheredSliceBytes(*dataset.volume);
     return 2 * std::min(std::max(kSlabBytes, slice), slice * gatheredPoints(dataset.volume->grid)[2]);
@@ -93,6 +113,8 @@ std::string arrayName(const Dataset& dataset) {
 void writeDataset(const Dataset& dataset, Collectives& ranks, const std::string& path) {
   if (dataset.volume)
     writeWholeVolume(dataset, ranks, path);
+  else if (dataset.mesh)
+    writeWholeMesh(dataset, ranks, path);
   else
     writeWholeGeometry(dataset, ranks, path);
 }

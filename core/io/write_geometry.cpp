@@ -11,12 +11,14 @@
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
+#include <vtkTypeInt64Array.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLPolyDataWriter.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "core/comm/error.h"
 #include "core/io/cell_list.h"
@@ -162,6 +164,53 @@ void writeGeometry(const std::string& path, const GeometryBlock& block, Geometry
   } else {
     throw Error(path + ": cannot write this kind of geometry: expected .vtp, .vtu, .csv, .ply or .stl");
   }
+}
+
+namespace {
+
+template <class Array>
+vtkSmartPointer<vtkDataArray> arrayOf(const std::vector<std::byte>& bytes, int components) {
+  const auto array = vtkSmartPointer<Array>::New();
+  array->SetNumberOfComponents(components);
+  const size_t values = bytes.size() / sizeof(typename Array::ValueType);
+  array->SetNumberOfTuples(vtkIdType(values / size_t(components)));
+  if (!bytes.empty()) std::memcpy(array->GetPointer(0), bytes.data(), bytes.size());
+  return array;
+}
+
+template <class T>
+vtkSmartPointer<vtkTypeInt64Array> integers(const std::vector<T>& values) {
+  const auto array = vtkSmartPointer<vtkTypeInt64Array>::New();
+  array->SetNumberOfValues(vtkIdType(values.size()));
+  std::copy(values.begin(), values.end(), array->GetPointer(0));
+  return array;
+}
+
+}  // namespace
+
+void writeMesh(const std::string& path, const GatheredMesh& mesh, const std::string& array, ScalarType type,
+               int components, bool ofCells) {
+  const auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  const auto points = vtkSmartPointer<vtkPoints>::New();
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(vtkIdType(mesh.points.size()));
+  for (size_t i = 0; i < mesh.points.size(); ++i)
+    points->SetPoint(vtkIdType(i), mesh.points[i].x, mesh.points[i].y, mesh.points[i].z);
+  grid->SetPoints(points);
+  const auto types = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  types->SetNumberOfValues(vtkIdType(mesh.types.size()));
+  std::copy(mesh.types.begin(), mesh.types.end(), types->GetPointer(0));
+  const auto cells = vtkSmartPointer<vtkCellArray>::New();
+  cells->SetData(integers(mesh.offsets), integers(mesh.connectivity));
+  grid->SetCells(types, cells);
+  const auto values = type == ScalarType::Float32 ? arrayOf<vtkFloatArray>(mesh.values, components)
+                                                  : arrayOf<vtkDoubleArray>(mesh.values, components);
+  values->SetName(array.c_str());
+  if (ofCells)
+    grid->GetCellData()->AddArray(values);
+  else
+    grid->GetPointData()->AddArray(values);
+  writeXml<vtkXMLUnstructuredGridWriter>(path, grid);
 }
 
 namespace {

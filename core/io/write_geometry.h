@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/data/gather_mesh.h"
 #include "core/data/geometry.h"
 
 namespace gxy {
@@ -18,6 +19,11 @@ namespace gxy {
 /// each other become one polyline. Throws Error if the file cannot be written.
 void writeGeometry(const std::string& path, const GeometryBlock& block, GeometryKind kind,
                    const std::string& array = "data", const GeometryBlock* whole = nullptr);
+
+/// Writes a .vtu of a whole mesh: double coordinates, and values of points, or of cells if `ofCells`, as array `array` of `type` with `components`.
+/// Throws Error if the file cannot be written.
+void writeMesh(const std::string& path, const GatheredMesh& mesh, const std::string& array, ScalarType type,
+               int components, bool ofCells);
 
 /// Copies all points, cells and arrays of one file that readGeometry() can read, in their own types, to a
 /// .vtp or .vtu. Flaws that do not prevent reading are logged. Returns false, and writes nothing, if `to` has

@@ -164,11 +164,13 @@ GXY_API int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array 
  *
  * Cells with a volume have their points in VTK's order. Each cell is on one rank; cells with the same points as another one are left out and
  * counted. Points at exactly the same place become one, on whichever ranks they are, with the values of that of the lowest rank: so
- * cells of neighbouring ranks meet. They have one or more fields of points, none of cells so far, and each field becomes a
- * volume NAME.FIELD with all its components. Cells stay inside the domain that the server cuts, else the step is left out. If points
+ * cells of neighbouring ranks meet. They have one or more fields of points or cells, and each becomes a
+ * volume NAME.FIELD with all its components. A field vtkGhostType of cells, one GXY_UINT8 each, is none of them: it marks, with VTK's bits, cells that are left
+ * out, as in files: duplicates of another rank's cells (1), which serve fields of cells at the border of the rank's own, and refined and hidden ones (8, 32).
+ * One of points marks those without data (2). Cells stay inside the domain that the server cuts, else the step is left out. If points
  * and cells of a step are those of the step before, bit for bit, on all ranks, the server only makes the values anew.
  *
- * gxy_field() gives the points or the cells of lines and triangles a field. Each becomes the dataset NAME.FIELD, with the mesh and its values; of several components,
+ * gxy_field() gives points or cells a field. Of lines and triangles, each becomes the dataset NAME.FIELD, with the mesh and its values; of several components,
  * their magnitude; or colours, where files would have them: bytes, or any type with the name RGB, of 3 or 4 components. A cell has one
  * value. The field Normals of points, with 3 components, has the normals of all datasets of the mesh instead. A mesh without (other) fields
  * becomes NAME.MESH. The domain that the server cuts for its ranks is that of the first step's points, a tenth larger, unless the stream has a

@@ -289,7 +289,7 @@ void Adaptor::points(const Points& points) {
 
 void Adaptor::field(const Values& values, const Key& key, int of, const Index& extent, const Index& first) {
   const auto& [mesh, block, own] = key;
-  const std::string& owner = owners_.try_emplace(own, mesh).first->second;
+  const std::string& owner = own == kGhosts ? mesh : owners_.try_emplace(own, mesh).first->second;
   const std::string name = owner == mesh ? own : mesh + "." + own;
   const gxy_array array = described(values, extent, first, copies_[key]);
   told(key, values.path, gxy_field(sim_.get(), mesh.c_str(), block, name.c_str(), of, array));

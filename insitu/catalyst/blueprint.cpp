@@ -63,7 +63,7 @@ void checkCount(const Values& values, int64_t count) {
 }
 
 bool isGhosts(const std::string& name, const std::string& ghosts) {
-  return ghosts.empty() ? name == "ascent_ghosts" || name == "vtkGhostType" : name == ghosts;
+  return ghosts.empty() ? name == "ascent_ghosts" || name == kGhosts : name == ghosts;
 }
 
 // The fields on a topology, ghosts too.
@@ -129,6 +129,19 @@ void addGrid(GridBlock block, std::vector<Values> fields, const std::string& gho
   grids.push_back(std::move(block));
 }
 
+// Where fields are those of elements, ghosts serve them at the rank's border. Else they are not even sent.
+void takeGhosts(Points& points, const Values& ghosts) {
+  std::shared_ptr<const void> made;
+  Values bits = ghostBits(ghosts, made);
+  if (std::none_of(points.fields.begin(), points.fields.end(),
+                   [](const Values& v) { return v.ofElements; })) {
+    points.cells = withoutGhosts(*points.cells, bits);
+    return;
+  }
+  points.fields.push_back(std::move(bits));
+  points.cells->made.push_back(std::move(made));
+}
+
 void addPoints(Points points, std::vector<Values> fields, const std::string& ghosts, const Warn& warn,
                std::vector<Points>& all) {
   if (std::any_of(all.begin(), all.end(), [&](const Points& p) { return p.mesh == points.mesh; }))
@@ -146,15 +159,13 @@ void addPoints(Points points, std::vector<Values> fields, const std::string& gho
                  " are not known as such, and shown");
       else
         ghostsOfCells = std::move(values);
-    } else if (isVolume && values.ofElements) {
-      leaveOut("a field of elements with a volume, expected fields of vertices so far, left out");
     } else {
       points.fields.push_back(std::move(values));
     }
   }
   if (isVolume && points.fields.empty())
-    return warn(points.path + ": elements with a volume without a field of vertices, left out");
-  if (ghostsOfCells) points.cells = withoutGhosts(*points.cells, *ghostsOfCells);
+    return warn(points.path + ": elements with a volume without a field, left out");
+  if (ghostsOfCells) takeGhosts(points, *ghostsOfCells);
   all.push_back(std::move(points));
 }
 

@@ -60,7 +60,10 @@ struct Cells {
       made;  ///< what holds those arrays that the simulation does not have
 };
 
-/// Points, with a field for each. Or with cells between them, and fields of both; of cells with a volume only those of points.
+/// The name of the field that says which cells with a volume are ghosts, as gxy_field() takes it.
+inline constexpr const char* kGhosts = "vtkGhostType";
+
+/// Points, with a field for each. Or with cells between them, and fields of both; of cells with a volume kGhosts, too.
 struct Points {
   std::string path, mesh;
   Values positions;

@@ -13,6 +13,7 @@ namespace gxy::catalyst {
 
 namespace {
 
+constexpr uint8_t kDuplicate = 1, kRefined = 8, kHidden = 32;  // bits of vtkGhostType
 constexpr const char* kShapes = "\"line\", \"tri\", \"quad\", \"tet\", \"hex\", \"wedge\" or \"pyramid\"";
 
 struct Shape {
@@ -47,12 +48,14 @@ int64_t integerAt(const std::byte* at) {
   return int64_t(value);
 }
 
+// By gxy_type, from GXY_INT8 to GXY_UINT64.
+constexpr int64_t (*kReaders[])(const std::byte*) = {
+    integerAt<int8_t>,  integerAt<uint8_t>,  integerAt<int16_t>, integerAt<uint16_t>,
+    integerAt<int32_t>, integerAt<uint32_t>, integerAt<int64_t>, integerAt<uint64_t>};
+
 // The integers of an array, of any type.
 std::vector<int64_t> integersOf(const Node& node) {
   const Array array = node.array();
-  constexpr int64_t (*kReaders[])(const std::byte*) = {
-      integerAt<int8_t>,  integerAt<uint8_t>,  integerAt<int16_t>, integerAt<uint16_t>,
-      integerAt<int32_t>, integerAt<uint32_t>, integerAt<int64_t>, integerAt<uint64_t>};
   if (array.type < GXY_INT8 || array.type > GXY_UINT64) failAt(node.path(), "expected integers");
   std::vector<int64_t> integers(static_cast<size_t>(array.count));
   for (size_t i = 0; i < integers.size(); i++)
@@ -221,11 +224,28 @@ void forgetUnused(Lattices& lattices) {
   std::erase_if(lattices.placed, [](const auto& one) { return one.second.points.use_count() == 1; });
 }
 
-Cells withoutGhosts(const Cells& cells, const Values& ghosts) {
-  const Array& ghost = ghosts.components[0];
+Values ghostBits(const Values& ghosts, std::shared_ptr<const void>& made) {
+  const Array& array = ghosts.components[0];
+  const bool isInteger = array.type >= GXY_INT8 && array.type <= GXY_UINT64, areBits = ghosts.name == kGhosts;
+  auto bits = std::make_shared<std::vector<uint8_t>>();
+  bits->reserve(size_t(array.count));
+  for (int64_t c = 0; c < array.count; c++) {
+    const std::byte* at = array.data + c * array.stride;
+    int64_t value = 0;
+    if (isInteger)
+      value = kReaders[array.type](at);
+    else if (std::any_of(at, at + bytesOf(array.type), [](std::byte b) { return b != std::byte(0); }))
+      value = 1;  // Of a number with a fraction only this is known.
+    bits->push_back(areBits ? uint8_t(value) : value == 0 ? 0 : value == 1 ? kDuplicate : kHidden);
+  }
+  made = bits;
+  return {ghosts.path, kGhosts, true, {arrayOf(*bits)}};
+}
+
+Cells withoutGhosts(const Cells& cells, const Values& bits) {
+  const Array& ghosts = bits.components[0];
   const auto isGhost = [&](int64_t c) {
-    const std::byte* at = ghost.data + c * ghost.stride;
-    return std::any_of(at, at + bytesOf(ghost.type), [](std::byte b) { return b != std::byte(0); });
+    return (ghosts.data[c] & std::byte(kDuplicate | kRefined | kHidden)) != std::byte(0);
   };
   struct Kept {
     MadeCells cells;

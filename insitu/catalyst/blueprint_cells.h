@@ -17,7 +17,11 @@ Cells latticeCells(const Index& points, Lattices& lattices);
 /// The points of a lattice whose planes lie at these coordinates along x, y and z. `made` holds them.
 Values latticePositions(const Values& planes, Lattices& lattices, std::shared_ptr<const void>& made);
 
-/// The cells whose ghost value is 0. `ghosts` has one for each cell.
-Cells withoutGhosts(const Cells& cells, const Values& ghosts);
+/// Returns a field vtkGhostType for gxy_field(), of what a field of that name or of Ascent (ascent_ghosts: 1 for a cell that another rank
+/// has, too, others above 0 for cells that nothing shows) says of each cell. `made` holds its values.
+Values ghostBits(const Values& ghosts, std::shared_ptr<const void>& made);
+
+/// The cells that are no ghosts, which ghostBits() have one for each.
+Cells withoutGhosts(const Cells& cells, const Values& bits);
 
 }  // namespace gxy::catalyst

@@ -8,6 +8,7 @@
 
 #include "core/comm/error.h"
 #include "core/comm/wire.h"
+#include "core/data/mesh_kinds.h"
 
 namespace gxy::insitu {
 
@@ -50,7 +51,8 @@ void checkFields(const std::vector<Field>& fields, size_t fewest) {
   std::set<std::string> names;
   for (const Field& f : fields) {
     checkName(f.name, "field");
-    if (!names.insert(f.name).second) throw Error("field \"" + f.name + "\" is there twice");
+    if (!names.insert(f.name).second && f.name != kGhostArray)  // which points and cells may have
+      throw Error("field \"" + f.name + "\" is there twice");
     if (f.type > ScalarType::Float64)
       throw Error("field \"" + f.name + "\": type " + std::to_string(int(f.type)) + ", expected 0 to 9");
     if (f.components < 1 || f.components > kMostComponents)
@@ -143,14 +145,24 @@ void checkVolumes(std::span<const Mesh> meshes) {
   for (const Mesh& mesh : meshes) {
     if (mesh.kind != Mesh::Kind::Cells || mesh.shape != Mesh::Shape::Volume) continue;
     const std::string what = "cells \"" + mesh.name + "\": ";
-    if (mesh.fields.empty())
-      throw Error(what + "cells with a volume without a field, expected one or more fields of points");
-    for (const Field& field : mesh.fields)
-      if (field.ofCells)
-        throw Error(
-            what + "field \"" + field.name +
-            "\" is one of cells; cells with a volume cannot have these yet, expected fields of points");
+    bool hasValues = false;
+    for (const Field& field : mesh.fields) {
+      const bool marks = isGhosts(mesh, field);
+      hasValues = hasValues || !marks;
+      if (marks && (field.type != ScalarType::UInt8 || field.components != 1))
+        throw Error(what + "field \"" + field.name + "\" has type " + std::to_string(int(field.type)) +
+                    " and " + std::to_string(field.components) +
+                    " components, expected one uint8 (1), whose bits mark ghosts as in VTK");
+    }
+    if (!hasValues)
+      throw Error(what +
+                  "cells with a volume without a field, expected one or more fields of points or cells");
   }
+}
+
+bool isGhosts(const Mesh& mesh, const Field& field) {
+  const bool mayBeVolume = mesh.shape == Mesh::Shape::Volume || mesh.shape == Mesh::Shape::Unknown;
+  return mesh.kind == Mesh::Kind::Cells && mayBeVolume && field.name == kGhostArray;
 }
 
 bool isNormals(const Mesh& mesh, const Field& field) {
@@ -198,7 +210,8 @@ std::vector<Publishes> datasetsOf(std::span<const Mesh> meshes) {
   for (size_t m = 0; m < meshes.size(); m++) {
     const size_t before = datasets.size();
     for (size_t f = 0; f < meshes[m].fields.size(); f++)
-      if (!isNormals(meshes[m], meshes[m].fields[f])) datasets.push_back({m, f, meshes[m].fields[f].name});
+      if (!isNormals(meshes[m], meshes[m].fields[f]) && !isGhosts(meshes[m], meshes[m].fields[f]))
+        datasets.push_back({m, f, meshes[m].fields[f].name});
     if (datasets.size() == before) datasets.push_back({m, std::nullopt, meshes[m].name});
   }
   std::set<std::string> names;

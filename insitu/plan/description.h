@@ -86,7 +86,10 @@ std::vector<Array> arraysOf(const Mesh& mesh);
 /// What cells of a shape are called, for users: "lines".
 const char* nameOf(Mesh::Shape shape);
 
-/// Throws Error for cells with a volume that have no field, or one of cells. The fields and shapes are known.
+/// Whether a field marks the ghosts of cells with a volume, as arrays of that name do in files. It is no dataset.
+bool isGhosts(const Mesh& mesh, const Field& field);
+
+/// Throws Error for cells with a volume that have no field, or whose ghosts are not bytes. The fields and shapes are known.
 void checkVolumes(std::span<const Mesh> meshes);
 
 /// Whether a field has the normals of a mesh of triangles or lines: three components of points, with the name that files use. They

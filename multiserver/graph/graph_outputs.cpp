@@ -129,7 +129,7 @@ std::string Graph::writeDataFile(const OutputJob& job, const std::shared_ptr<Run
   begunOf(running)(*exchange);
   const ObjectGeneration where = job.items[0].kept->where();
   const Pin pin = serverRank.objects.pin(where.key, where.generation);
-  refuseMesh(*pin.get<Dataset>(), job.what.of, "export");
+  checkFileFor(*pin.get<Dataset>(), job.what.to, "dataset " + inQuotes(job.what.of));
   exportData(serverRank, *exchange, tenant_, where, path);
   return path;
 }

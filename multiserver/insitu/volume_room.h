@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "core/data/complete_mesh.h"
@@ -17,12 +18,15 @@ namespace gxy {
 /// What this rank has made of a step's points and cells. All fields of the step share it, and further steps as long as all ranks are
 /// sent the same points and cells.
 struct VolumeLayout {
-  /// A point that cells have: the rank of the simulation, and the point's place among those that it has sent.
+  /// A point that cells have, or a cell: the rank of the simulation, and the place among those that it has sent.
   struct Place {
     uint32_t rank, index;
   };
   std::array<uint64_t, 2> content{};  ///< ContentHash of what was sent
-  std::vector<Place> places;          ///< the points as distributed, in their order
+  std::vector<Place> points;          ///< as distributed, in their order
+  /// Likewise the cells, by type, if there are fields of them: by rank of the simulation their places among its cells.
+  std::array<std::vector<Place>, kCellTypes> cells;
+  uint64_t ghostCells = 0;  ///< as in MeshReport, on all ranks
   MeshLayout mesh;
   std::shared_ptr<const LedgerEntry> memory;  ///< of the blocks; datasets have it, too
   LedgerEntry ownMemory;                      ///< of all else
@@ -68,21 +72,25 @@ class VolumeRoom final : public MeshRoom {
     sent_.store(piece, array, header, samples);
   }
   /// Cells go into the partitions that they touch, as those of files do (core/data/complete_mesh.h). Points are numbered by rank of the
-  /// simulation. Throws Error also for cells that are wrong, naming the rank of the simulation and the cell, and for cells outside of the
+  /// simulation. A field of points or cells that isGhosts() marks ghosts as the array vtkGhostType of files does (core/io/mesh_file.h). Throws Error also for cells that are wrong, naming the rank of the simulation and the cell, and for cells outside of the
   /// partitioning's domain.
   std::vector<std::shared_ptr<Dataset>> complete(Collectives& ranks) override;
 
  private:
   std::array<uint64_t, 2> content() const;
   int64_t bytesToMake() const;
-  MeshPiece make(const std::map<int, uint64_t>& firsts, std::vector<VolumeLayout::Place>& places) const;
+  MeshPiece make(const std::map<int, uint64_t>& firsts, VolumeLayout& layout) const;
   std::vector<double> valuesOf(size_t field, const VolumeLayout& layout) const;
+  bool isHidden(const VolumeLayout::Place& point) const;
+  bool hasHiddenPoint(const VolumeLayout::Place& cell) const;
   void checkInside(const Box& box) const;
-  std::shared_ptr<Dataset> firstDataset(VolumeLayout& layout, Collectives& ranks) const;
+  std::shared_ptr<Dataset> firstDataset(size_t field, VolumeLayout& layout, Collectives& ranks) const;
   std::shared_ptr<Dataset> dataset(size_t field, const VolumeLayout& layout, Collectives& ranks) const;
   std::shared_ptr<Dataset> datasetOf(size_t field, Mesh mesh, const VolumeLayout& layout) const;
 
   SentArrays sent_;
+  const bool hasCellFields_;
+  const std::optional<size_t> ghostCells_, ghostPoints_;  ///< arrays that mark them
   const Partitioning& partitioning_;
   KeptVolume& kept_;
 };

@@ -8,6 +8,7 @@
 
 #include "core/analysis/made_geometry.h"
 #include "core/comm/error.h"
+#include "core/data/mesh_counts.h"
 #include "core/scene/json_text.h"
 #include "multiserver/protocol/json.h"
 #include "multiserver/server/session.h"
@@ -79,25 +80,7 @@ json told(const Mesh& mesh) {
   uint64_t cells = 0;
   for (const uint64_t ofType : report.cells) cells += ofType;
   told["cells"] = cells;
-  const auto add = [&](const char* name, uint64_t count) {
-    if (count > 0) told[name] = count;
-  };
-  for (const CellType type : kAllCellTypes) add(pluralOf(type), report.cells[size_t(type)]);
-  add("flat cells", report.flatCells);
-  add("ghost cells", report.ghostCells);
-  add("repeated cells", report.repeatedCells);
-  add("degenerate cells", report.degenerateCells);
-  add("unusable cells", report.unusableCells);
-  add("merged points", report.mergedPoints);
-  add("differing points", report.differingPoints);
-  add("crowded faces", report.crowdedFaces);
-  add("folded faces", report.foldedFaces);
-  add("inverted cells", report.invertedCells);
-  add("hanging points", report.hangingPoints);
-  add("split faces", report.splitFaces);
-  add("points without data", report.noDataPoints);
-  add("cells without data", report.noDataCells);
-  add("differing cells", report.differingCells);
+  for (const auto& [name, count] : namedCounts(report)) told[name] = count;
   return told;
 }
 

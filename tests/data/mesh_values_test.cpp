@@ -55,6 +55,10 @@ void expectSameCounts(const MeshBlockCounts& a, const MeshBlockCounts& b) {
   EXPECT_EQ(a.crowdedFaces, b.crowdedFaces);
   EXPECT_EQ(a.foldedFaces, b.foldedFaces);
   EXPECT_EQ(a.noDataPoints, b.noDataPoints);
+  EXPECT_EQ(a.invertedCells, b.invertedCells);
+  EXPECT_EQ(a.hangingPoints, b.hangingPoints);
+  EXPECT_EQ(a.noDataCells, b.noDataCells);
+  EXPECT_EQ(a.differingCells, b.differingCells);
 }
 
 bool areSameValues(const std::vector<float>& a, const std::vector<float>& b) {
@@ -83,7 +87,7 @@ TEST(MeshValues, OfTheSameCellsAreThoseOfBlocksMadeAnew) {
         MeshBlockCounts expectedCounts, counts = first;
         const auto expected = distribute(piece, cut, expectedCounts, mine);
         const auto found =
-            distributeValues(blocks, routes, piece.values, piece.components, cut, counts, mine);
+            distributeValues(blocks, routes, piece.values, piece.components, false, cut, counts, mine);
         EXPECT_EQ(found.size(), expected.size());
         for (const auto& [partition, block] : found) {
           const MeshBlock& other = expected.at(partition);
@@ -100,6 +104,113 @@ TEST(MeshValues, OfTheSameCellsAreThoseOfBlocksMadeAnew) {
   }
 }
 
+// Many cells are there once more, most of these as duplicates, hexahedra and pyramids with their corners in another order, and some as duplicates only.
+MeshPiece meshWithDuplicates(std::mt19937& random) {
+  MeshPiece mesh = flawedMesh();
+  mesh.values.clear();
+  mesh.ofCells = true;
+  constexpr std::array<std::array<size_t, 8>, kCellTypes> kTurned{
+      {{1, 2, 0, 3}, {1, 2, 3, 0, 4}, {1, 2, 0, 4, 5, 3}, {1, 2, 3, 0, 5, 6, 7, 4}}};
+  for (const CellType type : kAllCellTypes) {
+    auto& cells = mesh.cells.points[size_t(type)];
+    auto& duplicates = mesh.duplicates[size_t(type)];
+    const size_t n = shapeOf(type).points, count = cells.size() / n;
+    for (size_t cell = 0; cell < count; cell++) {
+      duplicates.push_back(random() % 4 == 0);
+      if (random() % 3 != 0) continue;
+      for (size_t i = 0; i < n; i++) cells.push_back(cells[cell * n + kTurned[size_t(type)][i]]);
+    }
+    while (duplicates.size() < cells.size() / n) duplicates.push_back(random() % 3 != 0);
+    mesh.cellValues[size_t(type)].resize(duplicates.size());
+  }
+  return mesh;
+}
+
+// As a file is read whose data are those of points.
+MeshPiece withoutDuplicates(const MeshPiece& piece, int components, const std::vector<float>& values) {
+  MeshPiece left;
+  left.components = components;
+  std::vector<uint32_t> numberOf(piece.points.size(), UINT32_MAX);
+  for (const CellType type : kAllCellTypes) {
+    const auto& corners = piece.cells.points[size_t(type)];
+    for (size_t i = 0; i < corners.size(); i++) {
+      if (piece.duplicates[size_t(type)][i / shapeOf(type).points]) continue;
+      const uint32_t p = corners[i];
+      if (numberOf[p] == UINT32_MAX) {
+        numberOf[p] = uint32_t(left.points.size());
+        left.points.push_back(piece.points[p]);
+        left.numbers.push_back(piece.numbers[p]);
+        for (int c = 0; c < components; c++)
+          left.values.push_back(values[p * size_t(components) + size_t(c)]);
+      }
+      left.cells.points[size_t(type)].push_back(numberOf[p]);
+    }
+  }
+  return left;
+}
+
+std::vector<float> randomCellValues(MeshPiece& piece, std::mt19937& random) {
+  std::vector<float> all;
+  for (size_t type = 0; type < kCellTypes; type++) {
+    std::vector<float>& values = piece.cellValues[type];
+    values.resize(piece.duplicates[type].size() * size_t(piece.components));
+    for (float& v : values)
+      v = random() % 7 == 0 ? std::numeric_limits<float>::quiet_NaN() : float(random() % 7);
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  return all;
+}
+
+TEST(MeshValues, OfCellsAndOfPointsAreThoseOfBlocksMadeAnewWithoutDuplicates) {
+  std::array<uint64_t, 2> noData{}, differing{};  // of points, and of cells
+  for (uint32_t seed = 1; seed <= 12; seed++) {
+    std::mt19937 random(seed);
+    const MeshPiece mesh = meshWithDuplicates(random);
+    const int ranks = 1 + int(seed % 4);
+    const Partitioning cut = test::randomPartitioning(random, kCubeOfCells, 1 + int(random() % 9), ranks);
+    std::vector<MeshPiece> pieces;
+    for (size_t r = 0; r < size_t(ranks); r++)
+      pieces.push_back(test::someOf(mesh, mesh.cells.size() * r / size_t(ranks),
+                                    mesh.cells.size() * (r + 1) / size_t(ranks), random));
+    const auto errors = ThreadRanks(ranks).run([&](Collectives& mine) {
+      std::mt19937 own(100 * seed + uint32_t(mine.rank()));
+      MeshPiece& piece = pieces[size_t(mine.rank())];
+      ValueRoutes routes;
+      MeshBlockCounts first;
+      const auto blocks = distribute(piece, cut, first, mine, {}, &routes);
+      for (int step = 1; step <= 4; step++) {
+        const bool ofCells = step != 3;
+        const int components = 1 + int((seed + uint32_t(step)) % 3);
+        piece.components = components;
+        const std::vector<float> values =
+            ofCells ? randomCellValues(piece, own) : valuesByNumber(piece, components, step);
+        MeshBlockCounts expectedCounts, counts = first;
+        const auto expected = distribute(ofCells ? piece : withoutDuplicates(piece, components, values), cut,
+                                         expectedCounts, mine);
+        const auto found = distributeValues(blocks, routes, values, components, ofCells, cut, counts, mine);
+        EXPECT_EQ(found.size(), expected.size());
+        for (const auto& [partition, block] : found) {
+          const MeshBlock& other = expected.at(partition);
+          EXPECT_TRUE(areSameValues(block.values, other.values)) << partition;
+          EXPECT_TRUE(areSameValues(block.cellValues, other.cellValues)) << partition;
+          EXPECT_TRUE(block.points == other.points && block.cells.points == other.cells.points);
+          EXPECT_TRUE(block.neighbours == other.neighbours && block.shell == other.shell);
+          EXPECT_TRUE(block.points.sharesWith(blocks.at(partition).points));
+        }
+        expectSameCounts(counts, expectedCounts);
+        if (mine.rank() != 0) continue;
+        noData[ofCells] += ofCells ? counts.noDataCells : counts.noDataPoints;
+        differing[ofCells] += ofCells ? counts.differingCells : counts.differingPoints;
+      }
+    });
+    EXPECT_EQ(errors, std::vector<std::string>(size_t(ranks))) << seed;
+  }
+  for (const bool ofCells : {false, true}) {
+    EXPECT_GT(noData[ofCells], 0u);
+    EXPECT_GT(differing[ofCells], 0u);
+  }
+}
+
 TEST(MeshValues, ForWhichThereIsNoRoomAreRefusedOnAllRanks) {
   const MeshPiece mesh = flawedMesh();
   std::mt19937 random(1);
@@ -111,7 +222,7 @@ TEST(MeshValues, ForWhichThereIsNoRoomAreRefusedOnAllRanks) {
     MeshBlockCounts counts;
     const auto blocks = distribute(piece, cut, counts, mine, {}, &routes);
     EXPECT_GT(bytesOf(routes), 0);
-    distributeValues(blocks, routes, piece.values, 1, cut, counts, mine, [&](int64_t) {
+    distributeValues(blocks, routes, piece.values, 1, false, cut, counts, mine, [&](int64_t) {
       if (mine.rank() == 1) throw Error("no room");
     });
   });

@@ -34,7 +34,7 @@ std::vector<float> valuesOf(const MeshPiece& piece) {
 }
 
 std::vector<float> averagesOf(const MeshPiece& piece) {
-  return averagesAtPoints(piece.points, piece.cells, valuesOf(piece), piece.components);
+  return averagesAtPoints(piece.points, piece.cells.view(), valuesOf(piece), piece.components);
 }
 
 bool isInside(const glm::dvec3& p) { return p.x > 0 && p.x < 1 && p.y > 0 && p.y < 1 && p.z > 0 && p.z < 1; }

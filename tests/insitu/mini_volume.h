@@ -3,7 +3,9 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <string>
@@ -26,6 +28,9 @@ struct RankVolume {
   std::vector<double> heat;                ///< by point
   std::vector<std::array<float, 3>> flow;  ///< by point
   std::vector<int16_t> level;              ///< by point
+  std::vector<double> load;                ///< by cell
+  std::vector<std::array<float, 2>> pull;  ///< by cell
+  std::vector<uint8_t> ghosts, hidden;     ///< by cell and by point: vtkGhostType
 };
 
 /// The unit cube, cut into cells of all types, which ranks have shares of. Its points move a little when `moved` says so.
@@ -37,6 +42,9 @@ class MiniVolume {
     uint32_t cubes = 3;   ///< by axis
     bool differ = false;  ///< points that ranks have in common have a value of its own on each
     uint64_t seed = 1;
+    bool ofPoints = true, ofCells = false;  ///< which fields there are
+    bool ghosts =
+        false;  ///< shares overlap by cells that are marked as duplicates, some cells are hidden, and some points
   };
   MiniVolume(const std::string& options, const Settings& settings) : settings_(settings) {
     for (int r = 0; r < settings.ranks; r++)
@@ -78,6 +86,8 @@ class MiniVolume {
   GridFile fileOf(int64_t step) const {
     GridFile file;
     file.pointArrays = {{"heat", "Float64", 1, {}}, {"flow", "Float32", 3, {}}, {"level", "Int16", 1, {}}};
+    file.cellArrays = {{"load", "Float64", 1, {}}, {"pull", "Float32", 2, {}}};
+    GridFile::Array ghosts{kGhostArray, "UInt8", 1, {}}, hidden = ghosts;
     for (const RankVolume& m : steps_.at(step)) {
       const auto first = uint32_t(file.points.size());
       for (const auto& p : m.points) file.points.emplace_back(p[0], p[1], p[2]);
@@ -90,7 +100,14 @@ class MiniVolume {
       for (const auto& v : m.flow)
         for (const float c : v) file.pointArrays[1].values.push_back(double(c));
       for (const int16_t v : m.level) file.pointArrays[2].values.push_back(v);
+      for (const double v : m.load) file.cellArrays[0].values.push_back(v);
+      for (const auto& v : m.pull)
+        for (const float c : v) file.cellArrays[1].values.push_back(double(c));
+      ghosts.values.insert(ghosts.values.end(), m.ghosts.begin(), m.ghosts.end());
+      hidden.values.insert(hidden.values.end(), m.hidden.begin(), m.hidden.end());
     }
+    if (settings_.ghosts) file.cellArrays.push_back(ghosts);
+    if (settings_.ghosts) file.pointArrays.push_back(hidden);
     return file;
   }
 
@@ -112,8 +129,16 @@ class MiniVolume {
         [](const glm::dvec3&) { return 0; });
     std::vector<RankVolume> ranks(static_cast<size_t>(settings_.ranks));
     const size_t sharing = ranks.size() < 4 ? ranks.size() : ranks.size() - 1, n = mesh.cells.size();
-    for (size_t r = 0; r < sharing; r++)
-      take(mesh, n * r / sharing, n * (r + 1) / sharing, ranks[r + ranks.size() - sharing]);
+    const size_t over = settings_.ghosts ? n / 8 : 0;
+    for (size_t r = 0; r < sharing; r++) {
+      const size_t begin = n * r / sharing, end = n * (r + 1) / sharing;
+      RankVolume& own = ranks[r + ranks.size() - sharing];
+      take(mesh, begin - std::min(begin, over), std::min(n, end + over), own);
+      for (size_t c = 0; c < own.types.size(); c++) {
+        const size_t cell = begin - std::min(begin, over) + c;
+        own.ghosts.push_back(cell % 11 == 5 ? 33 : cell < begin || cell >= end ? 1 : 16);
+      }
+    }
     return ranks;
   }
 
@@ -135,7 +160,12 @@ class MiniVolume {
         to.connectivity[first + placeInFile(type, i)] = known->second;
       }
       to.offsets.push_back(int64_t(to.connectivity.size()));
+      const glm::dvec3& p = mesh.points[cell[0]];
+      const double own = settings_.differ ? double(begin) : 0;
+      to.load.push_back(c % 13 == 12 ? double(NAN) : 10 * p.x + p.y * double(step_) + 0.01 * double(c) + own);
+      to.pull.push_back({float(p.z + double(step_)), float(c % 5)});
     }
+    for (size_t p = 0; p < to.points.size(); p++) to.hidden.push_back(p % 17 == 16 ? 2 : 1);
     for (const auto& p : to.points) {
       const double own = settings_.differ ? double(begin) : 0;
       to.heat.push_back(1000 + p[0] + 2 * p[1] * p[2] + 0.1 * double(step_) + own);
@@ -149,11 +179,11 @@ class MiniVolume {
     std::vector<RankVolume>& all = steps_[step_];
     all = shares();
     change(all);
-    for (size_t r = 0; r < sims_.size(); r++) tell(sims_[r], all[r]);
+    for (size_t r = 0; r < sims_.size(); r++) tell(sims_[r], all[r], settings_);
     while (steps_.size() > 300) steps_.erase(steps_.begin());
   }
 
-  static void tell(gxy_sim* sim, const RankVolume& m) {
+  static void tell(gxy_sim* sim, const RankVolume& m, const Settings& settings) {
     const auto array = [](const auto& values, int type, int components, int64_t bytes) {
       return gxy_array{values.empty() ? nullptr : values.data(), type, components, {bytes, 0, 0}, 0, 0};
     };
@@ -162,12 +192,21 @@ class MiniVolume {
                         array(m.offsets, GXY_INT64, 1, 8), array(m.connectivity, GXY_INT64, 1, 8)),
               GXY_TAKEN)
         << gxy_message(sim);
-    const auto field = [&](const char* name, const gxy_array& values) {
-      EXPECT_EQ(gxy_field(sim, "block", 0, name, GXY_OF_POINTS, values), GXY_TAKEN) << gxy_message(sim);
+    const auto field = [&](const char* name, const gxy_array& values, int of) {
+      EXPECT_EQ(gxy_field(sim, "block", 0, name, of, values), GXY_TAKEN) << gxy_message(sim);
     };
-    field("heat", array(m.heat, GXY_FLOAT64, 1, 8));
-    field("flow", array(m.flow, GXY_FLOAT32, 3, 12));
-    field("level", array(m.level, GXY_INT16, 1, 2));
+    if (settings.ofPoints) {
+      field("heat", array(m.heat, GXY_FLOAT64, 1, 8), GXY_OF_POINTS);
+      field("flow", array(m.flow, GXY_FLOAT32, 3, 12), GXY_OF_POINTS);
+      field("level", array(m.level, GXY_INT16, 1, 2), GXY_OF_POINTS);
+    }
+    if (settings.ofCells) {
+      field("load", array(m.load, GXY_FLOAT64, 1, 8), GXY_OF_CELLS);
+      field("pull", array(m.pull, GXY_FLOAT32, 2, 8), GXY_OF_CELLS);
+    }
+    if (!settings.ghosts) return;
+    field(kGhostArray, array(m.ghosts, GXY_UINT8, 1, 1), GXY_OF_CELLS);
+    field(kGhostArray, array(m.hidden, GXY_UINT8, 1, 1), GXY_OF_POINTS);
   }
 
   const Settings settings_;

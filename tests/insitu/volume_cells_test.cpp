@@ -11,7 +11,13 @@ namespace {
 
 using nlohmann::json;
 
+bool areSame(const std::vector<float>& a, const std::vector<float>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+}
+
 void expectSame(const Mesh& found, const Mesh& expected) {
+  EXPECT_EQ(found.ofCells, expected.ofCells);
   EXPECT_EQ(found.components, expected.components);
   EXPECT_EQ(found.shift, expected.shift);
   EXPECT_EQ(found.scale, expected.scale);
@@ -22,7 +28,8 @@ void expectSame(const Mesh& found, const Mesh& expected) {
   for (const auto& [partition, block] : found.blocks) {
     const MeshBlock& other = expected.blocks.at(partition);
     EXPECT_TRUE(block.points == other.points) << partition;
-    EXPECT_TRUE(block.values == other.values) << partition;
+    EXPECT_TRUE(areSame(block.values, other.values)) << partition;
+    EXPECT_TRUE(areSame(block.cellValues, other.cellValues)) << partition;
     EXPECT_TRUE(block.cells.points == other.cells.points) << partition;
     EXPECT_TRUE(block.neighbours == other.neighbours && block.shell == other.shell) << partition;
   }
@@ -51,22 +58,22 @@ int64_t expectEqualsImport(TestServer& server, Viewer& viewer, const MiniVolume&
     EXPECT_EQ(*found->partitioning, *expected->partitioning);
     expectSame(*found->mesh, *expected->mesh);
   }
-  const auto picture = [&](const std::string& dataset) {
+  const auto picture = [&](const std::string& dataset, const char* cells) {
     const Range range = published->range();
-    const json vis{{"type", "Volume"},
-                   {"dataset", dataset},
-                   {"data range", "data"},
-                   {"volume rendering", true},
-                   {"isovalues", {0.5 * (range.min + range.max)}},
-                   {"slices", {{1, 0.3, 0, 0.4}}}};
+    json vis{{"type", "Volume"},         {"dataset", dataset},           {"data range", "data"},
+             {"volume rendering", true}, {"slices", {{1, 0.3, 0, 0.4}}}, {"cells", cells}};
+    if (std::string(cells) == "smooth") vis["isovalues"] = {0.5 * (range.min + range.max)};
     viewer.client->expect(
         "set 1 " + json{{"Visualization", {{"operators", {vis}}}}, {"Camera", {{"fit", true}}}}.dump());
     return viewer.frame().rgba;
   };
-  const auto ours = picture(name), theirs = picture("file");
-  EXPECT_TRUE(ours == theirs) << "the pictures of " << name << " differ";
-  const auto drawn = std::count_if(ours.begin(), ours.end(), [](uint8_t v) { return v > 30 && v < 255; });
-  EXPECT_GE(drawn, 100) << name;
+  for (const char* cells : {"smooth", "flat"}) {
+    if (!published->mesh->ofCells && std::string(cells) == "flat") continue;
+    const auto ours = picture(name, cells), theirs = picture("file", cells);
+    EXPECT_TRUE(ours == theirs) << "the pictures of " << name << " differ, " << cells;
+    const auto drawn = std::count_if(ours.begin(), ours.end(), [](uint8_t v) { return v > 30 && v < 255; });
+    EXPECT_GE(drawn, 100) << name;
+  }
   return step;
 }
 
@@ -94,6 +101,43 @@ TEST(VolumeCells, ThatArePublishedEqualTheImportOfTheSameStep) {
     if (settings.differ && settings.ranks > 1 && settings.ranks != 4) {
       EXPECT_GT(datasetOn(*server, 0, "sea.heat")->mesh->report.differingPoints, 0u);
     }
+  }
+}
+
+TEST(VolumeCells, WithFieldsOfCellsAndGhostsEqualTheImportOfTheSameStep) {
+  for (uint64_t seed = 1; seed <= uint64_t(sweep(6)); seed++) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    const auto server = serve(1 + int(seed % 3));
+    Viewer viewer(*server);
+    viewer.client->expect("load insitu");
+    viewer.client->expect("observe");
+    MiniVolume::Settings settings;
+    settings.ranks = 1 + int((seed + 1) % 4);
+    settings.cubes = 3;
+    settings.ofCells = true;
+    settings.ofPoints = seed % 3 != 0;
+    settings.ghosts = seed % 2 == 0;
+    settings.differ = seed % 4 == 0;
+    settings.seed = seed;
+    MiniVolume volume(to(*server), settings);
+    run(volume, [&] { return volume.published() >= 1; });
+    if (seed % 2 == 0) volume.moved = 0.2;
+    run(volume, [&] { return volume.published() >= 4; });
+    EXPECT_GE(viewer.client->expect("insitu.streams").at("streams").at(0).at("same cells"), 1);
+    volume.publishLastAndClose(20);
+    until([&] { return viewer.client->expect("insitu.streams").at("streams").empty(); },
+          "the end of the stream");
+    for (const char* field : {"load", "pull"})
+      EXPECT_EQ(expectEqualsImport(*server, viewer, volume, field), volume.step());
+    for (const char* field : {"heat", "flow"})
+      if (settings.ofPoints) expectEqualsImport(*server, viewer, volume, field);
+    const json all = viewer.client->expect("data.info").at("datasets");
+    for (const json& one : all)
+      EXPECT_EQ(one.at("name").get<std::string>().find("vtkGhostType"), std::string::npos);
+    const MeshReport& report = datasetOn(*server, 0, "sea.load")->mesh->report;
+    EXPECT_GT(report.noDataCells, 0u);
+    EXPECT_EQ(report.ghostCells > 0, settings.ghosts);
   }
 }
 
@@ -291,7 +335,7 @@ TEST(VolumeCells, ForWhichThereIsNoRoomAreLeftOutAndTheServerGoesOn) {
   for (int r = 0; r < 2; r++) EXPECT_EQ(server.serverRank(r).ledger.total("user"), 0) << r;
 }
 
-TEST(VolumeCells, HaveNoFieldsOfCells) {
+TEST(VolumeCells, NeedAFieldAndGhostsThatAreBytes) {
   const auto server = serve(1);
   const auto client = server->client();
   client->expect("load insitu");
@@ -299,22 +343,21 @@ TEST(VolumeCells, HaveNoFieldsOfCells) {
   const double points[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
   const int32_t corners[4] = {0, 1, 2, 3}, ends[2] = {0, 4};
   const int type = GXY_TETRAHEDRON;
-  std::vector<gxy_sim*> sims;
-  for (int r = 0; r < 2; r++) {
-    sims.push_back(gxy_open("sea", r, 2, options.c_str()));
-    gxy_sim* sim = sims.back();
-    EXPECT_EQ(gxy_cells(sim, "block", 4, {points, GXY_FLOAT64, 3, {24, 0, 0}, 0, 0}, r,
+  const auto expectWrong = [&](gxy_array ghosts, const std::string& why) {
+    gxy_sim* sim = gxy_open("sea", 0, 1, options.c_str());
+    EXPECT_EQ(gxy_cells(sim, "block", 4, {points, GXY_FLOAT64, 3, {24, 0, 0}, 0, 0}, 1,
                         {&type, GXY_INT32, 1, {4, 0, 0}, 0, 0}, {ends, GXY_INT32, 1, {4, 0, 0}, 0, 0},
                         {corners, GXY_INT32, 1, {4, 0, 0}, 0, 0}),
-              GXY_TAKEN)
-        << gxy_message(sim);
-    EXPECT_EQ(gxy_field(sim, "block", 0, "region", GXY_OF_CELLS, {points, GXY_FLOAT64, 1, {8, 0, 0}, 0, 0}),
               GXY_TAKEN);
-  }
-  EXPECT_NE(gxy_publish(sims[0], 1, 0), GXY_WRONG) << gxy_message(sims[0]);
-  EXPECT_EQ(gxy_publish(sims[1], 1, 0), GXY_WRONG);
-  EXPECT_NE(std::string(gxy_message(sims[1])).find("field \"region\" is one of cells"), std::string::npos);
-  for (gxy_sim* s : sims) gxy_close(s, 0);
+    EXPECT_EQ(gxy_field(sim, "block", 0, "vtkGhostType", GXY_OF_CELLS, ghosts), GXY_TAKEN);
+    EXPECT_EQ(gxy_publish(sim, 1, 0), GXY_WRONG);
+    EXPECT_NE(std::string(gxy_message(sim)).find(why), std::string::npos) << gxy_message(sim);
+    gxy_close(sim, 0);
+  };
+  expectWrong({corners, GXY_INT32, 1, {4, 0, 0}, 0, 0},
+              "field \"vtkGhostType\" has type 4 and 1 components, expected one uint8 (1)");
+  expectWrong({corners, GXY_UINT8, 1, {1, 0, 0}, 0, 0},
+              "cells with a volume without a field, expected one or more fields of points or cells");
 }
 
 }  // namespace

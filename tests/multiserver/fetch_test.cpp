@@ -2,14 +2,21 @@
 // Verb `fetch`: the client gets the arrays of a dataset, to the bit, and a client that goes away disturbs nobody.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
+#include <fstream>
 #include <future>
 #include <map>
 #include <mutex>
 
+#include "core/data/mesh_defects.h"
+#include "core/data/mesh_kinds.h"
 #include "core/io/write_geometry.h"
 #include "core/io/write_volume.h"
 #include "tests/multiserver/datasets_on_ranks.h"
+#include "tests/support/mesh_files.h"
+#include "tests/support/mixed_meshes.h"
 
 namespace gxy::test {
 namespace {
@@ -31,6 +38,7 @@ class FetchedArrays {
     about = header;
     parts_++;
   }
+  void clear() { arrays_.clear(); }
   size_t count() const { return arrays_.size(); }
   int parts() const { return parts_; }
   bool has(const std::string& name) const { return arrays_.count(name) > 0; }
@@ -105,6 +113,71 @@ TEST(Fetch, AVolumeComesAsItIsStored) {
       EXPECT_EQ(reply["origin"], FetchJson({first.x, first.y, first.z}));
       EXPECT_EQ(reply["spacing"], FetchJson({0.5, 0.25, 0.3}));
     }
+}
+
+TEST(Fetch, AnUnstructuredVolumeComesWithEachCellOnce) {
+  const MeshPiece mesh = cubeOfAllCells(
+      4, [](const glm::dvec3& p) { return 0.02 * glm::dvec3(p.y, p.z, p.x); },
+      [](const glm::dvec3& p) { return p.x + p.y * p.z; });
+  const auto placesOf = [](const auto& points, const auto& corners) {
+    std::vector<std::array<double, 3>> places;
+    for (const auto p : corners) places.push_back({points[p].x, points[p].y, points[p].z});
+    std::sort(places.begin(), places.end());
+    return places;
+  };
+  std::map<std::vector<std::array<double, 3>>, double> loads;
+  GridFile grid = gridOf(mesh, 0, mesh.cells.size());
+  grid.cellArrays.push_back({"load", "Float64", 1, {}});
+  for (const auto& [type, corners] : grid.cells) {
+    loads[placesOf(grid.points, corners)] = double(grid.cellArrays[0].values.size());
+    grid.cellArrays[0].values.push_back(double(grid.cellArrays[0].values.size()));
+  }
+  for (const int ranks : {1, 3}) {
+    FetchServer server(ranks);
+    std::ofstream(server.path("all.vtu"), std::ios::binary) << grid.vtu();
+    for (const std::string array : {"value", "load"}) {
+      server.client->expect(
+          "import new " +
+          FetchJson{
+              {"Datasets", {{{"name", "m"}, {"filename", "all.vtu"}, {"type", "Volume"}, {"array", array}}}}}
+              .dump());
+      server.arrays.clear();
+      const FetchJson reply = server.client->expect("fetch m");
+      EXPECT_EQ(reply.at("cells"), mesh.cells.size());
+      EXPECT_EQ(reply.at("points"), mesh.points.size());
+      EXPECT_EQ(reply.at("values"), array == "load" ? "cells" : "points");
+      EXPECT_EQ(server.arrays.count(), 5u);
+      const auto points = server.arrays.of<glm::dvec3>("points", "float64", 3);
+      const auto types = server.arrays.of<uint8_t>("types", "uint8", 1);
+      const auto offsets = server.arrays.of<uint64_t>("offsets", "uint64", 1);
+      const auto corners = server.arrays.of<uint32_t>("connectivity", "uint32", 1);
+      const auto values = server.arrays.of<float>("field " + array, "float32", 1);
+      ASSERT_EQ(points.size(), mesh.points.size());
+      ASSERT_EQ(types.size(), mesh.cells.size());
+      ASSERT_EQ(offsets.size(), types.size() + 1);
+      ASSERT_EQ(offsets.back(), corners.size());
+      ASSERT_EQ(values.size(), array == "load" ? types.size() : points.size());
+      for (size_t p = 0; p < points.size() && array == "value"; p++) {
+        const auto found = std::find(grid.points.begin(), grid.points.end(), points[p]);
+        ASSERT_NE(found, grid.points.end());
+        EXPECT_EQ(double(values[p]), grid.pointArrays[0].values[size_t(found - grid.points.begin())]);
+      }
+      std::map<std::vector<std::array<double, 3>>, int> times;
+      for (size_t c = 0; c < types.size(); c++) {
+        const auto own = std::span(corners).subspan(offsets[c], offsets[c + 1] - offsets[c]);
+        const auto places = placesOf(points, own);
+        EXPECT_EQ(times[places]++, 0);
+        ASSERT_EQ(loads.count(places), 1u);
+        EXPECT_EQ(double(array == "load" ? values[c] : float(loads.at(places))), loads.at(places));
+        const CellType type = *meshCellOf(types[c]);
+        ASSERT_EQ(own.size(), shapeOf(type).points);
+        EXPECT_FALSE(isInverted(points, type, own));
+      }
+      EXPECT_EQ(times.size(), loads.size());
+      server.client->expect("drop m");
+    }
+    for (int rank = 0; rank < ranks; rank++) EXPECT_EQ(server.serverRank(rank).ledger.total("user"), 0);
+  }
 }
 
 TEST(Fetch, GeometryComesByAscendingIds) {

@@ -2,7 +2,12 @@
 // Unstructured volumes in the data space.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <iterator>
+#include <map>
+#include <tuple>
 
 #include "multiserver/protocol/json.h"
 #include "tests/multiserver/datasets_on_ranks.h"
@@ -187,6 +192,97 @@ TEST(MeshData, CurvilinearGridsAndListsOfThemAreVolumes) {
   server.expectNoMemory(2);
 }
 
+bool areSame(const std::vector<float>& a, const std::vector<float>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+}
+
+/// Two pieces that have cells in common, of all types, with values of points and cells, some of which are none.
+void writeOverlapping(MeshServer& server) {
+  const MeshPiece mesh = cubeOfAllCells(
+      3, [](const glm::dvec3& p) { return 0.02 * glm::dvec3(p.y, p.z, p.x); },
+      [](const glm::dvec3& p) { return p.x * p.y + p.z; });
+  const size_t n = mesh.cells.size();
+  for (const auto& [name, first, last] : {std::tuple("l.vtu", size_t(0), n / 2 + 9), {"r.vtu", n / 2, n}}) {
+    GridFile grid = gridOf(mesh, first, last);
+    GridFile::Array heat{"heat", "Float64", 1, {}}, pull{"pull", "Float32", 2, {}};
+    for (const glm::dvec3& p : grid.points)
+      heat.values.push_back(p.x > 0.9 && p.y > 0.9 ? double(NAN) : 101325 + 0.01 * p.x * p.y);
+    for (size_t c = first; c < last; c++)
+      pull.values.insert(pull.values.end(),
+                         {c % 11 == 3 ? double(NAN) : double(c % 7), 0.25 * double(c % 5)});
+    grid.pointArrays.push_back(heat);
+    grid.cellArrays.push_back(pull);
+    server.write(name, grid.vtu());
+  }
+  server.write("lr.pvtu", pvtu({"l.vtu", "r.vtu"}, ""));
+}
+
+TEST(MeshData, AnExportedMeshIsTheSameWhenItIsImported) {
+  std::map<std::string, std::string> files;  // by array
+  for (const int ranks : {1, 3}) {
+    MeshServer server(ranks);
+    writeOverlapping(server);
+    for (const std::string array : {"value", "heat", "pull"}) {
+      SCOPED_TRACE(array + " on " + std::to_string(ranks));
+      server.client->expect(MeshServer::import("m", "lr.pvtu", R"(, "array": ")" + array + "\""));
+      const json reply = server.client->expect("export m out.vtu");
+      std::ifstream in(server.folder() / "out.vtu", std::ios::binary);
+      const std::string text((std::istreambuf_iterator<char>(in)), {});
+      EXPECT_EQ(reply.at("bytes"), text.size());
+      EXPECT_EQ(files.try_emplace(array, text).first->second, text) << "on other ranks it is another file";
+      EXPECT_NE(text.find("Name=\"" + array + "\""), std::string::npos);
+      std::string import = MeshServer::import("again", "out.vtu");
+      server.client->expect("import like m" + import.substr(std::string("import").size()));
+      for (int rank = 0; rank < ranks; rank++) {
+        const Mesh &one = *datasetOn(server, rank, "m")->mesh,
+                   &again = *datasetOn(server, rank, "again")->mesh;
+        EXPECT_EQ(again.ofCells, array == "pull");
+        EXPECT_EQ(std::tuple(one.components, one.shift, one.scale, one.ofCells),
+                  std::tuple(again.components, again.shift, again.scale, again.ofCells));
+        EXPECT_EQ(one.box, again.box);
+        EXPECT_EQ(one.report.cells, again.report.cells);
+        EXPECT_EQ(one.report.points, again.report.points);
+        EXPECT_EQ(again.report.repeatedCells + again.report.mergedPoints + again.report.invertedCells, 0u);
+        EXPECT_GT(one.report.repeatedCells, 0u);
+        EXPECT_EQ(one.report.noDataCells + one.report.noDataPoints,
+                  again.report.noDataCells + again.report.noDataPoints);
+        ASSERT_EQ(one.blocks.size(), again.blocks.size());
+        for (const auto& [partition, block] : one.blocks) {
+          const MeshBlock& other = again.blocks.at(partition);
+          EXPECT_TRUE(block.points == other.points && block.cells.points == other.cells.points);
+          EXPECT_TRUE(block.neighbours == other.neighbours && block.shell == other.shell);
+          EXPECT_TRUE(areSame(block.values, other.values) && areSame(block.cellValues, other.cellValues));
+        }
+      }
+      server.client->expect("drop m");
+      server.client->expect("drop again");
+      server.expectNoMemory(ranks);
+    }
+  }
+}
+
+TEST(MeshData, DerivedFieldsShareTheMeshAndAreDataLikeOthers) {
+  for (const int ranks : {1, 3}) {
+    MeshServer server(ranks);
+    server.client->expect(MeshServer::import("m", "cube.vtu"));
+    const json told = server.client->expect(
+        R"json(make {"name": "d", "filter": "Derive", "inputs": {"f": "m"}, "expression": "2 * f - max(f)"})json");
+    EXPECT_EQ(told.at("results").at(0).at("no data"), 0) << told;
+    const json info = server.client->expect("info d").at("datasets").at(0);
+    EXPECT_EQ(info.at("mesh"), (json{{"cells", 384}, {"tetrahedra", 384}, {"points", 125}}));
+    const auto ofM = datasetOn(server, 0, "m")->range();
+    EXPECT_NEAR(info.at("range").at(1).get<double>(), ofM.max, 1e-6);
+    for (int rank = 0; rank < ranks; rank++)
+      for (const auto& [partition, block] : datasetOn(server, rank, "d")->mesh->blocks)
+        EXPECT_TRUE(block.points.sharesWith(datasetOn(server, rank, "m")->mesh->blocks.at(partition).points));
+    server.client->expect("drop m");
+    server.client->expect("export d d.vtu");
+    server.client->expect("drop d");
+    server.expectNoMemory(ranks);
+  }
+}
+
 TEST(MeshData, WhatTakesNoMeshesSaysSo) {
   MeshServer server(2);
   server.client->expect(MeshServer::import("m", "cube.vtu"));
@@ -194,18 +290,23 @@ TEST(MeshData, WhatTakesNoMeshesSaysSo) {
   const std::string text = "\"m\" is an unstructured volume, which is not supported here yet";
   for (
       const char* make :
-      {R"({"name": "x", "filter": "Derive", "inputs": {"f": "m"}, "expression": "2 * f"})",
-       R"({"filter": "Statistics", "inputs": {"field": "m"}})",
-       R"json({"filter": "Number", "inputs": {"f": "m"}, "expression": "max(f)"})json",
+      {R"({"filter": "Statistics", "inputs": {"field": "ball", "f": "m"}, "where": "f > 1"})",
        R"({"name": "x", "filter": "Resample", "inputs": {"field": "ball", "like": "m"}})",
        R"({"name": "x", "filter": "IsosurfaceSampler", "inputs": {"field": "m"}, "isovalue": 1, "count": 9})",
        R"({"name": "x", "filter": "RaySampler", "inputs": {"f": "m"},
             "operators": [{"dataset": "f", "isovalues": [1]}], "lines": 9})",
        R"({"name": "x", "filter": "DensitySampler", "inputs": {"field": "m"}, "count": 9})"})
     server.expectError("make " + std::string(make), text);
-  server.expectError(R"json(watch {"expression": "max(m) > 3"})json", text);
-  server.expectError("fetch m", text);
-  server.expectError("export m m.vti", text);
+  server.expectError(
+      R"(make {"name": "x", "filter": "Derive", "inputs": {"f": "m", "b": "ball"}, "expression": "f * b"})",
+      "`f` is an unstructured volume, and another input is on a grid");
+  server.expectError("export m m.vti",
+                     "export: file \"m.vti\" for dataset \"m\", which is an unstructured Volume: expected a "
+                     "name that ends with one of .vtu");
+  server.expectError("export m m.vtp", "expected a name that ends with one of .vti, .vtu");
+  server.expectError("export ball ball.vtu",
+                     "which is a Volume on a uniform grid: expected a name that ends "
+                     "with one of .vti");
   EXPECT_EQ(server.client->expect("list").at("datasets").size(), 2u);
   server.client->expect("drop m");
   server.client->expect("drop ball");

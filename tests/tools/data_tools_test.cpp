@@ -16,6 +16,7 @@
 #include "core/io/geometry_file.h"
 #include "core/io/volume_file.h"
 #include "core/io/write_geometry.h"
+#include "tests/support/mesh_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace gxy {
@@ -273,6 +274,54 @@ CELL_TYPES 1
   EXPECT_EQ(saidBy("convert cube.vtk cube.vtp"),
             "gxydata: cube.vtk: of solid cells only the outer surface is kept\n");
   EXPECT_EQ(summariseGeometry(at("cube.vtp")).triangles, 12u);
+}
+
+// A hexahedron beside two wedges that cut the face between them, and apart from these an inverted tetrahedron, the same again, a duplicate, a
+// triangle, and a tetrahedron of which a point has no value and another lies in a face of the hexahedron.
+TEST_F(DataTools, InfoTellsWhatAnImportFindsInAMesh) {
+  test::GridFile grid;
+  for (const double x : {0, 1, 2})
+    for (const auto& [y, z] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) grid.points.emplace_back(x, y, z);
+  for (const auto& p :
+       {glm::dvec3(5, 0, 0), glm::dvec3(6, 0, 0), glm::dvec3(5, 1, 0), glm::dvec3(5, 0, 1),
+        glm::dvec3(0, 0.5, 0.5), glm::dvec3(-1, 0, 0), glm::dvec3(-1, 1, 0), glm::dvec3(-1, 0, 1)})
+    grid.points.push_back(p);
+  grid.cells = {{12, {0, 4, 5, 1, 3, 7, 6, 2}},
+                {13, {4, 5, 6, 8, 9, 10}},
+                {13, {4, 6, 7, 8, 10, 11}},
+                {10, {12, 14, 13, 15}},
+                {10, {12, 14, 13, 15}},
+                {10, {12, 13, 14, 15}},
+                {5, {12, 13, 14}},
+                {10, {17, 19, 18, 16}}};
+  grid.pointArrays.push_back({"heat", "Float32", 1, std::vector<double>(grid.points.size(), 1)});
+  grid.pointArrays[0].values[17] = double(NAN);
+  grid.cellArrays.push_back({"vtkGhostType", "UInt8", 1, {0, 0, 0, 0, 0, 1, 0, 0}});
+  writeText(at("flawed.vtu"), grid.vtu());
+  ASSERT_EQ(data("info flawed.vtu | tee said"), 0);
+  const std::string said = readText(at("said"));
+  EXPECT_NE(said.find("\nas a volume flawed:heat, values of points\n"
+                      "  points               20\n"
+                      "  tetrahedra           2\n"
+                      "  wedges               2\n"
+                      "  hexahedra            1\n"
+                      "  flat cells           1\n"
+                      "  ghost cells          1\n"
+                      "  repeated cells       1\n"),
+            std::string::npos)
+      << said;
+  for (const char* line : {"\n  inverted cells       ", "\n  hanging points       1\n",
+                           "\n  split faces          2\n", "\n  points without data  1\n"})
+    EXPECT_NE(said.find(line), std::string::npos) << line << said;
+  grid.cells.push_back({25, std::vector<uint32_t>(20, 0)});
+  grid.cellArrays.clear();
+  writeText(at("curved.vtu"), grid.vtu());
+  ASSERT_EQ(data("info curved.vtu | tee said"), 0);
+  EXPECT_NE(readText(at("said"))
+                .find("\nas a volume not possible: curved.vtu: it has cells that an unstructured "
+                      "volume cannot have yet: quadratic hexahedra (1)"),
+            std::string::npos)
+      << readText(at("said"));
 }
 
 TEST_F(DataTools, ColoursAreKept) {

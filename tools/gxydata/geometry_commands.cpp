@@ -6,13 +6,17 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <memory>
 
+#include "core/comm/collectives.h"
 #include "core/comm/error.h"
+#include "core/data/mesh_counts.h"
 #include "core/data/mesh_kinds.h"
 #include "core/data/partitioning.h"
 #include "core/io/file.h"
 #include "core/io/geometry_file.h"
 #include "core/io/import_geometry.h"
+#include "core/io/import_mesh.h"
 #include "core/io/write_geometry.h"
 #include "core/look/file_facts.h"
 #include "tools/gxydata/commands.h"
@@ -142,8 +146,26 @@ void partitionGeometry(const Options& options, int parts, std::array<int, 3> lat
   writeGeometryPieces(options.out, pieces, block, input.array);
 }
 
+// What an import of the file as a volume finds in its mesh.
+void printMesh(const Options& options) {
+  SingleRank alone;
+  std::vector<std::string> warnings;  // They say the same.
+  try {
+    LoadedMesh loaded = loadMesh(options.in, options.array, alone, {}, &warnings);
+    const Partitioning whole = Partitioning::single(loaded.box);
+    const std::shared_ptr<const Mesh> mesh = meshOf(std::move(loaded), whole, alone, {}, &warnings);
+    std::printf("as a volume %s, values of %s\n", mesh->name.c_str(), mesh->ofCells ? "cells" : "points");
+    std::printf("  %-20s %" PRIu64 "\n", "points", mesh->report.points);
+    for (const auto& [name, count] : namedCounts(mesh->report))
+      std::printf("  %-20s %" PRIu64 "\n", name, count);
+  } catch (const Error& e) {
+    std::printf("as a volume not possible: %s\n", e.what());
+  }
+}
+
 void infoGeometry(const Options& options) {
   const std::vector<std::string> pieces = geometryPieces(options.in);
+  uint64_t solids = 0;
   for (const std::string& piece : pieces) {
     const GeometrySummary s = summariseGeometry(piece);
     if (&piece == &pieces.front()) {  // Print this only after a piece could be read.
@@ -154,6 +176,7 @@ void infoGeometry(const Options& options) {
     std::printf("points      %" PRIu64 " (%" PRIu64 " in vertex cells)\n", s.points, s.vertices);
     std::printf("segments    %" PRIu64 "\ntriangles   %" PRIu64 "\nother cells %" PRIu64 "\n", s.segments,
                 s.triangles, s.others);
+    solids += s.solids;
     if (s.solids) std::printf("solid cells %" PRIu64 " (their outer surface is shown)\n", s.solids);
     if (!s.kinds.empty()) std::printf("cells       %s\n", describe(s.kinds).c_str());
     if (!s.box.empty())
@@ -171,6 +194,7 @@ void infoGeometry(const Options& options) {
       std::printf(", not finite %" PRIu64 "\n", array.notFinite);
     }
   }
+  if (solids > 0 && isMeshFile(options.in)) printMesh(options);
 }
 
 }  // namespace gxy::data_tool

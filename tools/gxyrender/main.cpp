@@ -159,10 +159,7 @@ void writeOutputs(const State& state, const LoadedState& loaded, const Place& at
     const Dataset& dataset = *loaded.datasets.at(output.of);
     std::filesystem::path path = fileOfStep(output.to, newestStep(dataset)), partial = path;
     partial.replace_filename(path.stem().string() + ".partial" + path.extension().string());
-    agree(at.ranks, [&] {
-      refuseMesh(dataset, output.of, "output \"" + output.name + "\"");
-      checkFileFor(geometryKindOf(typeOf(dataset)), path.string(), "dataset \"" + output.of + "\"");
-    });
+    agree(at.ranks, [&] { checkFileFor(dataset, path.string(), "dataset \"" + output.of + "\""); });
     const LedgerEntry memory = at.ledger.enter(kTenant, "export", gatheringBytes(dataset, at.root));
     try {
       writeDataset(dataset, at.ranks, partial.string());

@@ -352,8 +352,9 @@ class Client:
     def fetch(self, name, timeout=None):
         """What a dataset holds: the object of the reply of data.fetch with two members more. Loads module data.
 
-        structure    arrays by name, of geometry: points (float64, N x 3), normals, segments, triangles, ids
-        fields       arrays by name: of a volume (nz, ny, nx) or (nz, ny, nx, components), of points (N,) or (N, components)
+        structure    arrays by name, of geometry: points (float64, N x 3), normals, segments, triangles, ids; of an unstructured volume: points,
+                     types, offsets and connectivity of cells, as in VTK
+        fields       arrays by name: of a volume (nz, ny, nx) or (nz, ny, nx, components), of points or cells (N,) or (N, components)
         """
         arrays = _Arrays()
         self.request("load data")

@@ -13,9 +13,14 @@
 namespace gxy {
 namespace {
 
-void checkFile(const std::string& file, const NamedDataset& dataset) {
+/// `pinned`: null before the dataset's turn.
+void checkFile(const std::string& file, const NamedDataset& dataset, const Dataset* pinned) {
+  const std::string what = "dataset " + inQuotes(dataset.name);
   try {
-    checkFileFor(geometryKindOf(*datasetTypeNamed(dataset.type)), file, "dataset " + inQuotes(dataset.name));
+    if (pinned)
+      checkFileFor(*pinned, file, what);
+    else
+      checkFileFor(geometryKindOf(*datasetTypeNamed(dataset.type)), file, what);
   } catch (const Error& e) {
     throw Error(std::string("export: ") + e.what());
   }
@@ -28,13 +33,12 @@ nlohmann::json exportDataset(Request& request, protocol::Arguments arguments) {
   arguments.expectEnd();
   ServerRank& serverRank = request.session().serverRank();
   const std::string& tenant = request.session().tenant();
-  checkFile(file, serverRank.datasets->get(tenant, name));
+  checkFile(file, serverRank.datasets->get(tenant, name), nullptr);
   const std::string path = serverRank.folders.toWrite(file);
   const auto exchange = serverRank.exchanges.beginLong(request);
   // Pinned once it is its turn: until then a publisher may need the room.
   const auto [dataset, pin] = serverRank.datasets->getPinned(tenant, name);
-  checkFile(file, dataset);
-  refuseMesh(*pin.get<Dataset>(), name, "export");
+  checkFile(file, dataset, pin.get<Dataset>().get());
   exportData(serverRank, *exchange, tenant, {dataset.key, dataset.generation}, path);
   return {{"file", path},
           {"generation", dataset.generation},

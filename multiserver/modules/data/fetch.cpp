@@ -6,11 +6,13 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <numeric>
 #include <span>
 #include <string>
 
 #include "core/comm/error.h"
 #include "core/data/gather.h"
+#include "core/data/gather_mesh.h"
 #include "core/io/write_dataset.h"
 #include "multiserver/protocol/file_record.h"
 #include "multiserver/server/datasets.h"
@@ -61,14 +63,19 @@ void sendPart(const SentArray& array, int64_t first, std::span<const std::byte> 
   send(header, values);
 }
 
-template <class T>
-void sendArray(FetchedJson header, const std::vector<T>& values, const SendPart& send) {
-  const SentArray array{std::move(header), int64_t(values.size()), sizeof(T)};
-  const auto atOnce = size_t(kSlabBytes) / sizeof(T);
+/// Sends a whole array in parts.
+void sendAll(const SentArray& array, std::span<const std::byte> values, const SendPart& send) {
+  const auto tuple = size_t(array.tupleBytes);
+  const size_t atOnce = std::max<size_t>(size_t(kSlabBytes) / tuple, 1) * tuple;
   if (values.empty()) return sendPart(array, 0, {}, send);
   for (size_t first = 0; first < values.size(); first += atOnce)
-    sendPart(array, int64_t(first),
-             std::as_bytes(std::span(values).subspan(first, std::min(atOnce, values.size() - first))), send);
+    sendPart(array, int64_t(first / tuple), values.subspan(first, std::min(atOnce, values.size() - first)),
+             send);
+}
+
+template <class T>
+void sendArray(FetchedJson header, const std::vector<T>& values, const SendPart& send) {
+  sendAll({std::move(header), int64_t(values.size()), sizeof(T)}, std::as_bytes(std::span(values)), send);
 }
 
 FetchedJson structure(const char* name, const char* type, int components) {
@@ -81,13 +88,10 @@ FetchedJson field(const std::string& name, const char* type, int components) {
 /// A field of points. Its values stand together by points.
 void sendField(const PointField& of, const SendPart& send) {
   const auto n = size_t(of.components);
-  const SentArray array{field(of.name, "float32", of.components), int64_t(of.values.size() / n),
-                        int64_t(n * sizeof(float))};
-  const size_t atOnce = std::max<size_t>(size_t(kSlabBytes) / (n * sizeof(float)), 1) * n;
-  for (size_t first = 0; first < of.values.size(); first += atOnce)
-    sendPart(array, int64_t(first / n),
-             std::as_bytes(std::span(of.values).subspan(first, std::min(atOnce, of.values.size() - first))),
-             send);
+  if (of.values.empty()) return;
+  sendAll(
+      {field(of.name, "float32", of.components), int64_t(of.values.size() / n), int64_t(n * sizeof(float))},
+      std::as_bytes(std::span(of.values)), send);
 }
 
 /// On each rank.
@@ -110,6 +114,8 @@ struct FetchWork {
     });
     if (dataset->volume)
       sendVolume(*dataset, part.ranks, send);
+    else if (dataset->mesh)
+      sendMesh(*dataset, part.ranks, send);
     else
       sendGeometry(*dataset, part.ranks, send);
   }
@@ -124,6 +130,22 @@ struct FetchWork {
                  [&](int64_t slice, std::span<const std::byte> values) {
                    sendPart(array, slice * n[0] * n[1], values, send);
                  });
+  }
+
+  static void sendMesh(const Dataset& d, Collectives& ranks, const SendPart& send) {
+    const Mesh& mesh = *d.mesh;
+    const GatheredMesh all = gatherMesh(mesh, *d.partitioning, ranks);
+    agree(ranks, [&] {
+      if (!send) return;
+      sendArray(structure("points", "float64", 3), all.points, send);
+      sendArray(structure("types", "uint8", 1), all.types, send);
+      sendArray(structure("offsets", "uint64", 1), all.offsets, send);
+      sendArray(structure("connectivity", "uint32", 1), all.connectivity, send);
+      const ScalarType type = gatheredType(mesh);
+      const int64_t tuple = int64_t(mesh.components) * int64_t(bytesOf(type));
+      sendAll({field(arrayName(d), nameOf(type), mesh.components), int64_t(all.values.size()) / tuple, tuple},
+              all.values, send);
+    });
   }
 
   static void sendGeometry(const Dataset& d, Collectives& ranks, const SendPart& send) {
@@ -176,7 +198,6 @@ FetchedJson fetchDataset(Fetches& fetches, Request& request, protocol::Arguments
   const auto exchange = serverRank.exchanges.beginLong(request);
   // Pinned once it is its turn: until then a publisher may need the room.
   const auto [named, pin] = serverRank.datasets->getPinned(tenant, name);
-  refuseMesh(*pin.get<Dataset>(), name, "fetch");
   int64_t sent = 0;
   const auto kept = fetches.add(*exchange, [&](const FetchedJson& header, std::span<const std::byte> values) {
     if (!request.session().outbox().file(request.id(), protocol::fileRecord(header, values),
@@ -198,6 +219,11 @@ FetchedJson fetchDataset(Fetches& fetches, Request& request, protocol::Arguments
     reply["origin"] = {origin.x, origin.y, origin.z};
     reply["spacing"] = {grid.spacing.x, grid.spacing.y, grid.spacing.z};
     reply["centers of cells"] = grid.rim;
+  } else if (dataset->mesh) {
+    const MeshReport& report = dataset->mesh->report;
+    reply["points"] = report.points;
+    reply["cells"] = std::accumulate(report.cells.begin(), report.cells.end(), uint64_t(0));
+    reply["values"] = dataset->mesh->ofCells ? "cells" : "points";
   } else {
     reply["primitives"] = dataset->geometry->primitives;
   }

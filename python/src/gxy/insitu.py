@@ -340,7 +340,7 @@ class Simulation:
         offsets: for a connectivity of one axis: cells + 1 integers of 32 or 64 bits, as in VTK: cell c has entries offsets[c] up to and
             without offsets[c + 1]. It may be left out if all cells are of one type with a fixed number of points.
         fields: of points, arrays of shape (n,), or (n, components), as height=height. `Normals`, of shape (n, 3), are the normals of the mesh.
-        cell_fields: of cells of lines and triangles, a dict of arrays with a row for each cell. The same names in all steps and on all ranks.
+        cell_fields: of cells, a dict of arrays with a row for each. The same names in all steps and on all ranks.
 
         The arrays are read in publish() only and never copied here; they are kept alive until they are replaced.
         """

@@ -32,7 +32,7 @@ TEST_F(Catalyst, LinesTrianglesAndQuadsMayBeOthersInEachStep) {
   }
 }
 
-TEST_F(Catalyst, ElementsWithAVolumeAreTakenWithFieldsOfVertices) {
+TEST_F(Catalyst, ElementsWithAVolumeAreTakenWithFieldsOfBoth) {
   for (const auto& [shape, type, each] :
        {std::tuple("tet", GXY_TETRAHEDRON, 4), std::tuple("pyramid", GXY_PYRAMID, 5),
         std::tuple("wedge", GXY_WEDGE, 6), std::tuple("hex", GXY_HEXAHEDRON, 8)}) {
@@ -41,15 +41,15 @@ TEST_F(Catalyst, ElementsWithAVolumeAreTakenWithFieldsOfVertices) {
     for (int c = 0; c < 2 * each; c++) corners.push_back(c % each);
     Surface tree(shape, 8, corners, 2);
     EXPECT_EQ(execute(tree), 0);
-    expectSaid(
-        "fields/region/values: a field of elements with a volume, expected fields of vertices so far, left "
-        "out");
+    EXPECT_EQ(said(), "");
     const auto& cells = recorded().points.at("sea");
     EXPECT_EQ(cells.kinds, std::vector<double>(2, type));
     EXPECT_EQ(cells.corners, std::vector<double>(corners.begin(), corners.end()));
     EXPECT_EQ((recorded().read[{"sea", 0, "height"}]),
               std::vector<double>(tree.height.begin(), tree.height.end()));
-    EXPECT_EQ((recorded().fields.count({"sea", 0, "region"})), 0u);
+    EXPECT_EQ((recorded().read[{"sea", 0, "region"}]),
+              std::vector<double>(tree.region.begin(), tree.region.end()));
+    EXPECT_EQ(recorded().ofCells["sea"], std::set<std::string>{"region"});
     EXPECT_EQ(catalyst_finalize(params_.node()), 0);
   }
 }
@@ -96,13 +96,39 @@ TEST_F(Catalyst, GhostsOfElementsWithAVolumeAreLeftOut) {
   EXPECT_EQ(cells.corners, (std::vector<double>{0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 5}));
 }
 
+TEST_F(Catalyst, GhostsOfElementsServeFieldsOfElements) {
+  const std::string ghosts = Surface::kSea + "/fields/ascent_ghosts",
+                    bits = Surface::kSea + "/fields/vtkGhostType";
+  const std::vector<int32_t> ofAscent{0, 1, 2};
+  const std::vector<uint8_t> ofVtk{16, 33, 1};
+  for (const bool areBits : {false, true}) {
+    ASSERT_EQ(initialize(), 0);
+    Mixed tree;
+    tree.field("element", Surface::kSea + "/fields/region");
+    tree.external(Surface::kSea + "/fields/region/values", tree.region);
+    tree.field("element", areBits ? bits : ghosts);
+    if (areBits)
+      tree.external(bits + "/values", ofVtk);
+    else
+      tree.external(ghosts + "/values", ofAscent);
+    EXPECT_EQ(execute(tree), 0) << said();
+    EXPECT_EQ(recorded().points.at("sea").kinds,
+              (std::vector<double>{GXY_PYRAMID, GXY_TETRAHEDRON, GXY_WEDGE}));
+    EXPECT_EQ((recorded().read[{"sea", 0, "vtkGhostType"}]),
+              areBits ? (std::vector<double>{16, 33, 1}) : (std::vector<double>{0, 1, 32}));
+    EXPECT_EQ((recorded().fields.at({"sea", 0, "vtkGhostType"}).type), GXY_UINT8);
+    EXPECT_EQ(recorded().ofCells["sea"], (std::set<std::string>{"region", "vtkGhostType"}));
+    EXPECT_EQ(catalyst_finalize(params_.node()), 0);
+  }
+}
+
 /// Two cubes beside each other, x being the fastest.
 const std::vector<double> kTwoCubes{0, 1, 4, 3, 6, 7, 10, 9, 1, 2, 5, 4, 7, 8, 11, 10};
 
 /// The same as a curvilinear grid.
 struct Curved : Surface {
   Curved() : Surface("hex", 12, {}, 2) {
-    set(kSea + "/topologies/mesh/type", "structured"), remove(kSea + "/fields/region");
+    set(kSea + "/topologies/mesh/type", "structured");
     set(Mixed::kElements + "dims/i", 2), set(Mixed::kElements + "dims/j", 1),
         set(Mixed::kElements + "dims/k", 1);
   }
@@ -117,6 +143,7 @@ TEST_F(Catalyst, CurvilinearGridsAreHexahedra) {
   EXPECT_EQ(cells.corners, kTwoCubes);
   EXPECT_EQ(cells.at.size(), 36u);
   EXPECT_EQ(cells.at[3], 1.5);
+  EXPECT_EQ((recorded().read[{"sea", 0, "region"}]), (std::vector<double>{100, 101}));
   tree.step(2), tree.remove(Mixed::kElements + "dims/k");
   EXPECT_EQ(execute(tree), kWrong);
   expectSaid(
@@ -128,7 +155,6 @@ TEST_F(Catalyst, RectilinearGridsAreHexahedraBetweenTheirPlanes) {
   Surface tree("hex", 12, {}, 2);
   const std::string coords = Surface::kSea + "/coordsets/coords";
   tree.set(Surface::kSea + "/topologies/mesh/type", "rectilinear"), tree.set(coords + "/type", "rectilinear");
-  tree.remove(Surface::kSea + "/fields/region");
   std::vector<float> x{0, 1, 3}, y{0, 5};
   const std::vector<double> z{1, 7};
   tree.external(coords + "/values/x", x), tree.external(coords + "/values/y", y);
@@ -146,6 +172,7 @@ TEST_F(Catalyst, RectilinearGridsAreHexahedraBetweenTheirPlanes) {
   }
   EXPECT_EQ((recorded().read[{"sea", 0, "height"}]),
             std::vector<double>(tree.height.begin(), tree.height.end()));
+  EXPECT_EQ((recorded().read[{"sea", 0, "region"}]), (std::vector<double>{100, 101}));
 }
 
 TEST_F(Catalyst, WrongElementsWithAVolumeAreTold) {
@@ -168,10 +195,10 @@ TEST_F(Catalyst, WrongElementsWithAVolumeAreTold) {
   curved.set(Mixed::kElements + "dims/i", 1);
   expect(curved, "coords/values: found 12 points, expected 8, those of the elements");
   Surface without("tet", 4, {0, 1, 2, 3}, 1);
-  without.remove(Surface::kSea + "/fields/height");
+  without.remove(Surface::kSea + "/fields/height"), without.remove(Surface::kSea + "/fields/region");
   ASSERT_EQ(initialize(), 0);
   EXPECT_EQ(execute(without), 0);
-  expectSaid("topologies/mesh: elements with a volume without a field of vertices, left out");
+  expectSaid("topologies/mesh: elements with a volume without a field, left out");
 }
 
 TEST_F(Catalyst, OtherElementsAreLeftOutAndWrongOnesTold) {

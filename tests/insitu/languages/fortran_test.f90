@@ -59,6 +59,8 @@ program fortran_test
   call check(index(gxy_message(sim), "24 (quadratic tetrahedra)") > 0, gxy_message(sim))
   e = gxy_cells(sim, "volume", 2, a, 1, gxy_all_of(GXY_PYRAMID), gxy_values(numbers(1, 1, 1), [5]))
   call check(e == GXY_TAKEN, "a pyramid is not taken: " // gxy_message(sim))
+  e = gxy_field(sim, "volume", 0, "load", GXY_OF_CELLS, gxy_values(long_numbers(1), [1]))
+  call check(e == GXY_TAKEN, "a field of cells with a volume is not taken: " // gxy_message(sim))
   e = gxy_field(sim, "surface", 0, "region", GXY_OF_CELLS, gxy_values(long_numbers(1), [2]))
   call check(e == GXY_TAKEN, "a field of cells is not taken: " // gxy_message(sim))
   call check(gxy_publish(sim, 1, 0.5d0) == GXY_OFF, "a step is not off")

@@ -333,11 +333,17 @@ class Cells(unittest.TestCase):
         self.sim.cells("mixed", self.positions, np.array([0, 1, 2, 3, 0, 1, 2]), np.array([9, 7], "u1"), np.array([0, 4, 7]))
         self.assertEqual(self.sim.publish(1, 0), Result.LOST)
 
-    def test_cells_with_a_volume_have_fields_of_points(self):
+    def test_cells_with_a_volume_have_fields(self):
         corners, types, ends = np.array([0, 1, 2, 3, 0, 1, 2, 3, 4]), np.array([10, 14], "u1"), np.array([0, 4, 9])
         self.sim.cells("surface", self.positions, corners, types, ends)
         with self.assertRaisesRegex(ValueError, 'cells "surface": cells with a volume without a field, expected one or more'):
             self.sim.publish(1, 0)
+
+    def test_cells_with_a_volume_may_have_fields_of_cells_alone(self):
+        corners, types, ends = np.array([0, 1, 2, 3, 0, 1, 2, 3, 4]), np.array([10, 14], "u1"), np.array([0, 4, 9])
+        fields = {"load": np.ones((2, 3), "f4"), "vtkGhostType": np.array([0, 1], "u1")}
+        self.sim.cells("surface", self.positions, corners, types, ends, cell_fields=fields)
+        self.assertEqual(self.sim.publish(1, 0), Result.LOST)
 
     def test_cells_with_a_volume_may_be_of_one_type_or_of_several(self):
         corners, types, ends = np.array([0, 1, 2, 3, 0, 1, 2, 3, 4]), np.array([10, 14], "u1"), np.array([0, 4, 9])

@@ -18,11 +18,11 @@ BUILD, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:]
 PROGRAMS, SIMULATION, STEPS = BUILD / "bin", BUILD / "tests" / "volume_simulation", (1, 2, 3, 4)
 
 
-def state(dataset):
+def state(dataset, **more):
     return {
         "Visualization": {"operators": [{
             "type": "Volume", "dataset": dataset, "colormap": "Viridis", "data range": [0, 4], "isovalues": [1.2],
-            "slices": [[1, 0.2, 0, 0.4]], "volume rendering": True, "extinctionmap": [[0, 0.1], [4, 3]]}]},
+            "slices": [[1, 0.2, 0, 0.4]], "volume rendering": True, "extinctionmap": [[0, 0.1], [4, 3]], **more}]},
         "Camera": {"viewpoint": [2.6, 1.9, 2.2], "viewcenter": [0.5, 0.5, 0.5], "viewup": [0, 0, 1], "aov": 30, "dimensions": [120, 90]},
     }
 
@@ -70,12 +70,38 @@ class Volumes(unittest.TestCase):
         self.assertGreater(expected.stat().st_size, 1000, "there is something to be seen")
         self.assertEqual(seen.read_bytes(), expected.read_bytes(), f"step {step}")
         if step == STEPS[-1]:
+            self.compare_cells(server, client, step)
             found, imported = (client.request(f"data.info {name}")["datasets"][0] for name in ("cube.value", "file"))
             for key in ("range", "box", "components", "partitions"):
                 self.assertEqual(found[key], imported[key], key)
             # Ranks have points in common, which a file has once.
             self.assertGreater(found["mesh"].pop("merged points"), 0)
             self.assertEqual(found["mesh"], imported["mesh"])
+
+    def compare_cells(self, server, client, step):
+        """A field of cells, as it is and smooth."""
+        client.request("data.import like cube.load " + json.dumps(
+            {"Datasets": {"name": "cells", "type": "Volume", "filename": f"file.{step}.vtu", "array": "load"}}))
+        for cells in ("flat", "smooth"):
+            for name, dataset in (("ours", "cube.load"), ("theirs", "cells")):
+                client.request("viewer.batch " + json.dumps(
+                    {"prefix": f"{name}-{cells}", "state": state(dataset, cells=cells, isovalues=[])}))
+            seen, expected = (server.folder / f"{name}-{cells}_00000.png" for name in ("ours", "theirs"))
+            self.assertGreater(expected.stat().st_size, 1000, "there is something to be seen")
+            self.assertEqual(seen.read_bytes(), expected.read_bytes(), cells)
+        flat, smooth = ((server.folder / f"ours-{cells}_00000.png").read_bytes() for cells in ("flat", "smooth"))
+        self.assertNotEqual(flat, smooth)
+        client.request("data.export cube.load exported.vtu")
+        client.request("data.import like cube.load " + json.dumps(
+            {"Datasets": {"name": "exported", "type": "Volume", "filename": "exported.vtu"}}))
+        client.request("viewer.batch " + json.dumps({"prefix": "exported", "state": state("exported", cells="smooth", isovalues=[])}))
+        self.assertEqual((server.folder / "exported_00000.png").read_bytes(), smooth)
+        arrays = client.fetch("cube.load")
+        self.assertEqual(arrays["structure"]["points"].shape, (arrays["points"], 3))
+        self.assertEqual(len(arrays["fields"]["load"]), arrays["cells"])
+        self.assertEqual((arrays["values"], len(arrays["structure"]["offsets"])), ("cells", arrays["cells"] + 1))
+        found, imported = (client.request(f"data.info {name}")["datasets"][0] for name in ("cube.load", "cells"))
+        self.assertEqual((found["mesh"]["values"], found["range"]), (imported["mesh"]["values"], imported["range"]))
 
 
 if __name__ == "__main__":
