@@ -109,6 +109,7 @@ std::vector<std::shared_ptr<const Mesh>> cut(const WholeMesh& whole, const Parti
     mesh->blocks = distribute(std::move(read), partitioning, counts, mine);
     mesh->report.cells = counts.cells;
     mesh->report.points = counts.points;
+    mesh->report.crowdedFaces = counts.crowdedFaces;
     meshes[size_t(mine.rank())] = mesh;
   });
   return meshes;
