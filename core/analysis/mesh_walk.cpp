@@ -22,7 +22,7 @@ constexpr double kWay = 0x1p-16;
 constexpr int kNeighbourCrossings = 8, kMostCrossings = 14;
 /// Trial steps in one cell after which a line is stuck. MeshHead::stalled counts crossings below kTrial, and trials in multiples of it.
 constexpr int kMostTrials = 65536, kTrial = 16;
-/// Steps of so little way are taken whatever their error is; shorter ones than the other are not tried.
+/// Steps of so little way are taken whatever their error is, a few of them; shorter ones than the other are not tried.
 constexpr double kFinestStep = 0x1p-20, kLeastStep = 0x1p-44;
 /// Steps in which rounding has a part.
 constexpr double kLeastTolerance = 1e-8;
@@ -134,14 +134,21 @@ void MeshWalk::takeSteps(glm::dvec3 rate) {
   }
 }
 
+// The time of a step that does not go far over a face. Of a pyramid the map is not smooth at the top, where z is 0 and which an estimate
+// of a step's error may not see.
+double MeshWalk::longestStep(glm::dvec3 rate) const {
+  const double straight = kStepOver * timeToFace(motion_->type(), head_.place, rate);
+  if (motion_->type() != CellType::Pyramid) return straight;
+  return std::min(straight, std::max(0.5 * head_.place.z, kFinestStep) / largestOf(rate));
+}
+
 // `time` is that of the step, or 0 for a new one.
 MeshWalk::Tried MeshWalk::takeStep(glm::dvec3& rate, double& time) {
   result_.counters.steps++;
   head_.stalled += kTrial;
   const double fastest = largestOf(rate);
   const double wanted = time > 0 ? time : double(head_.step) / fastest;
-  const double straight = kStepOver * timeToFace(motion_->type(), head_.place, rate);
-  const double now = std::min({wanted, time > 0 ? wanted : straight, t_.limits.time - head_.time});
+  const double now = std::min({wanted, time > 0 ? wanted : longestStep(rate), t_.limits.time - head_.time});
   const auto again = [&](double shorter) {
     time = now * shorter;
     if (!(time * fastest > kLeastStep)) end(EndReason::Stuck);
@@ -150,7 +157,8 @@ MeshWalk::Tried MeshWalk::takeStep(glm::dvec3& rate, double& time) {
   const auto step = stepIn(*motion_, head_.place, rate, now);
   if (!step) return again(0.5);
   const double way = largestOf(step->to - step->from);
-  if (!(step->error <= t_.tolerance * way) && now * fastest > kFinestStep) {
+  const bool wrong = !(step->error <= t_.tolerance * way);
+  if (wrong && now * fastest > kFinestStep) {
     const double most = std::sqrt(std::sqrt(t_.tolerance * way / step->error));
     return again(most > 0.25 ? std::min(0.9 * most, 0.9) : 0.2);
   }
@@ -161,7 +169,12 @@ MeshWalk::Tried MeshWalk::takeStep(glm::dvec3& rate, double& time) {
     return Tried::Done;
   }
   if (exit.part < 0.5) return again(kStepOver * exit.part);
-  return accept(*step, exit, now < wanted, rate);
+  const Tried tried = accept(*step, exit, now < wanted, rate);
+  if (!wrong || reason_ || tried == Tried::Done) return tried;
+  // The cell's map is hardly one here. Where it folds, the line goes on in another cell.
+  if (++head_.stalled % kTrial <= kNeighbourCrossings) return tried;
+  leave(kNoFaceOfCell);
+  return Tried::Done;
 }
 
 // The error of a step of the method for each cell of way grows as the fourth power of the way.

@@ -51,6 +51,7 @@ class MeshWalk {
   std::optional<EndReason> endBeforeStep() const;
   void takeSteps(glm::dvec3 rate);
   enum class Tried : uint8_t { Again, Inside, OnFace, Done };
+  double longestStep(glm::dvec3 rate) const;
   Tried takeStep(glm::dvec3& rate, double& time);
   Tried accept(const CellStep& step, StepExit exit, bool shortened, glm::dvec3& rate);
   void setNextStep(const CellStep& step, bool shortened);

