@@ -107,6 +107,7 @@ std::optional<CellStep> stepIn(const CellMotion& motion, glm::dvec3 from, glm::d
   CellStep step;
   step.time = h;
   step.from = from, step.to = from + way;
+  step.rate = k7;
   step.error = largestOf(h * (71. / 57600 * k1 - 71. / 16695 * k3 + 71. / 1920 * k4 - 17253. / 339200 * k5 +
                               22. / 525 * k6 - 1. / 40 * k7));
   const glm::dvec3 first = h * k1 - way, last = way - h * k7 - first;

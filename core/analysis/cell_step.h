@@ -29,6 +29,7 @@ double largestOf(glm::dvec3 v);
 struct CellStep {
   double time;                      ///< that it takes
   glm::dvec3 from, to;              ///< reference coordinates
+  glm::dvec3 rate;                  ///< at `to`
   std::array<glm::dvec3, 5> power;  ///< the way as a polynomial of the part of the time, 0 to 1
   double error;                     ///< about how far `to` is wrong, reference coordinates
 

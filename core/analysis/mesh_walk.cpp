@@ -217,7 +217,7 @@ MeshWalk::Tried MeshWalk::accept(const CellStep& step, StepExit exit, bool short
     leave(exit.face);
     return Tried::Done;
   }
-  const auto here = motion_->rateAt(head_.place);
+  const auto here = head_.place == step.to ? std::optional(step.rate) : motion_->rateAt(head_.place);
   if (!here) return Tried::OnFace;  // goThroughCell() looks again
   rate = *here;
   if (isSlow(motion_->speedAt(head_.place))) end(EndReason::Slow);
