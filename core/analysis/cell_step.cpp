@@ -15,10 +15,7 @@ namespace {
 /// Reference coordinates outside the cell up to which steps look at its field.
 constexpr double kFarthest = 0.5;
 
-bool isNear(CellType type, glm::dvec3 place) {
-  return std::ranges::all_of(referenceFaces(type),
-                             [&](const ReferenceFace& f) { return f.distance(place) >= -kFarthest; });
-}
+bool isNear(glm::dvec3 place) { return largestOf(place - 0.5) <= 0.5 + kFarthest; }
 
 /// A polynomial of degree n from 0 to 1, as factors of powers.
 template <size_t n>
@@ -39,16 +36,14 @@ double slopeOf(const Powers<n>& p, double s) {
 }
 
 /// Its control points: the polynomial is between the least and the largest of them.
-template <size_t n>
-Powers<n> controlPoints(Powers<n> p) {
-  double binomial = 1;  // n over k
-  for (size_t k = 0; k <= n; k++) {
-    p[k] /= binomial;
-    binomial = binomial * double(n - k) / double(k + 1);
-  }
-  for (size_t round = 1; round <= n; round++)
-    for (size_t k = n; k >= round; k--) p[k] += p[k - 1];
-  return p;
+Powers<3> controlPoints(const Powers<3>& p) {
+  const double one = p[1] * (1. / 3), two = p[2] * (1. / 3);
+  return {p[0], p[0] + one, p[0] + 2 * one + two, p[0] + p[1] + p[2] + p[3]};
+}
+Powers<4> controlPoints(const Powers<4>& p) {
+  const double two = p[2] * (1. / 6);
+  return {p[0], p[0] + 0.25 * p[1], p[0] + 0.5 * p[1] + two, p[0] + 0.75 * p[1] + 3 * two + 0.25 * p[3],
+          p[0] + p[1] + p[2] + p[3] + p[4]};
 }
 
 /// The root of what is positive at 0, negative at 1, and changes its sign once.
@@ -69,7 +64,7 @@ double onlyRoot(const Powers<n>& p) {
 /// Where a distance from a face that begins inside, or at 0, becomes negative.
 template <size_t n>
 StepExit exitAt(const Powers<n>& distance) {
-  const Powers<n> control = controlPoints<n>(distance);
+  const Powers<n> control = controlPoints(distance);
   if (!(control[0] > 0)) return {StepExit::Leaves, 0, -1};
   int changes = 0;
   for (size_t k = 1; k <= n; k++) changes += (control[k] < 0) != (control[k - 1] < 0);
@@ -89,7 +84,7 @@ glm::dvec3 CellStep::at(double s) const {
 std::optional<CellStep> stepIn(const CellMotion& motion, glm::dvec3 from, glm::dvec3 k1, double h) {
   bool good = true;
   const auto rate = [&](glm::dvec3 place) {
-    const auto found = good && isNear(motion.type(), place) ? motion.rateAt(place) : std::nullopt;
+    const auto found = good && isNear(place) ? motion.rateAt(place) : std::nullopt;
     good = found.has_value();
     return found.value_or(glm::dvec3(0));
   };
@@ -145,9 +140,10 @@ StepExit exitOf(CellType type, const CellStep& step) {
     Powers<4> d;
     for (size_t k = 0; k < 5; k++) d[k] = glm::dot(faces[f].normal, step.power[k]);
     d[0] = faces[f].distance(step.from);
+    if (d[0] >= std::abs(d[1]) + std::abs(d[2]) + std::abs(d[3]) + std::abs(d[4])) continue;  // far away
     const bool on = d[0] <= kOnFace;
     if (on) d[0] = 0;
-    const Powers<4> control = controlPoints<4>(d);
+    const Powers<4> control = controlPoints(d);
     if (*std::min_element(control.begin(), control.end()) >= -kOnFace) continue;
     // A head that begins on a face is not meeting it: the root at 0 is divided out.
     StepExit exit = on ? exitAt<3>({d[1], d[2], d[3], d[4]}) : exitAt<4>(d);

@@ -81,7 +81,7 @@ TEST(MeshWalks, AreTheSameOnAnyRanksAndCutsHoweverPointsAreStored) {
 
 TEST(MeshWalks, ThroughTangledCellsAllEndAndAreTheSameOnAnyRanksAndCuts) {
   // By so much of the sides of the cubes points are moved, and so many lines of 1000 get stuck at most.
-  for (const auto& [bend, most] : {std::pair(0.2, 0), {0.6, 20}, {1.6, 300}})
+  for (const auto& [bend, most] : {std::pair(0.2, 0), std::pair(0.6, 20), std::pair(1.6, 300)})
     for (const NamedMesh& mesh : cubesOfCells(bentBy(bend / 4))) {
       SCOPED_TRACE(mesh.name + ", " + std::to_string(bend));
       const std::vector<V> seeds = manySeeds(sweep(200));
