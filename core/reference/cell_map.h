@@ -43,7 +43,6 @@ struct MapInverse {
 std::optional<MapInverse> invert(CellType type, std::span<const glm::dvec3> points, glm::dvec3 target,
                                  glm::dvec3 guess, double slack = 1e-9);
 
-
 /// The derivatives of a map by reference coordinates.
 class Jacobian {
  public:
