@@ -188,6 +188,47 @@ TEST(MeshWalks, GoOnOverHangingPoints) {
   }
 }
 
+TEST(MeshWalks, GoThroughTetrahedraWithoutVolume) {
+  // The halves of the face x = 1/2 are others on both sides, and between them is a flat tetrahedron.
+  MeshPiece left = cubeOfTets(1, noMove, noValue), right = left;
+  for (V& p : left.points) p.x = 0.5 * p.x;
+  for (V& p : right.points) p = V(0.5 + 0.5 * p.x, 1 - p.y, p.z);
+  MeshPiece piece = joined(left, right);
+  auto& tets = piece.cells.points[size_t(CellType::Tetrahedron)];
+  tets.insert(tets.end(), {1, 3, 7, 5});
+  const std::vector<V> seeds = placesIn(V(0.05, 0.1, 0.1), V(0.45, 0.9, 0.9), 50, 2);
+  for (const auto direction : {TraceDirection::Forward, TraceDirection::Backward}) {
+    const double sign = direction == TraceDirection::Forward ? 1 : -1;
+    const Lines lines = MeshFlow(piece, [sign](V) {
+                          return V(sign, 0, 0);
+                        }).trace(seeds, {.points = PointsMode::Ends}, direction);
+    for (const LineEnd& e : lines.ends) {
+      EXPECT_EQ(e.reason, EndReason::Left) << e.line;
+      EXPECT_LE(glm::length(e.position - V(1, seeds[e.line].y, seeds[e.line].z)), 1e-9) << e.line;
+    }
+  }
+}
+
+TEST(MeshWalks, AreTheSameInUnitsOfAnySize) {
+  const MeshPiece piece = cubeOfAllCells(4, bentBy(0.04), noValue);
+  const std::vector<V> seeds = manySeeds(20);
+  const Lines lines = MeshFlow(piece, swirl).trace(seeds, {.time = 2});
+  for (const double unit : {0x1p40, 0x1p-40}) {
+    MeshPiece scaled = piece;
+    std::vector<V> from = seeds;
+    for (auto* points : {&scaled.points, &from})
+      for (V& p : *points) p *= unit;
+    const MeshFlow flow(
+        scaled, [unit](V p) { return unit * swirl(p / unit); }, whole({V(0), V(unit)}));
+    const Lines traced = flow.trace(from, {.time = 2});
+    ASSERT_EQ(traced.points.size(), lines.points.size());
+    for (size_t i = 0; i < lines.points.size(); i++) {
+      EXPECT_EQ(traced.points.position[i] / unit, lines.points.position[i]);
+      EXPECT_EQ(traced.points.time[i], lines.points.time[i]);
+    }
+  }
+}
+
 TEST(MeshWalks, GoThroughCellsThatOverlapAndFacesOfThreeCells) {
   MeshPiece piece = cubeOfHexes(4, noMove, noValue);
   // Another hexahedron on the face between two of them, which reaches into one of the two.
@@ -230,6 +271,9 @@ TEST(MeshWalks, EndForTheReasonsOfLines) {
   const MeshFlow stagnant(piece, [](V p) { return V(0.5) - p; });
   EXPECT_EQ(stagnant.trace({seed}, {}).ends[0].reason, EndReason::Slow);
   EXPECT_LE(glm::length(stagnant.trace({seed}, {}).ends[0].position - V(0.5)), 1e-5);
+  const MeshFlow around(cubeOfHexes(1, noMove, noValue), [](V p) { return V(0.5 - p.y, p.x - 0.5, 0); });
+  EXPECT_EQ(around.trace({seed}, {.length = 1e300, .points = PointsMode::Ends}).ends[0].reason,
+            EndReason::Closed);
   const MeshFlow still(piece, [](V) { return V(0); });
   EXPECT_EQ(still.trace({seed}, {}).ends[0].reason, EndReason::Slow);
 }
