@@ -22,14 +22,14 @@ template <size_t n>
 using Powers = std::array<double, n + 1>;
 
 template <size_t n>
-double valueOf(const Powers<n>& p, double s) {
+double sumOfPowers(const Powers<n>& p, double s) {
   double sum = p[n];
   for (size_t k = n; k-- > 0;) sum = sum * s + p[k];
   return sum;
 }
 
 template <size_t n>
-double slopeOf(const Powers<n>& p, double s) {
+double slopeOfPowers(const Powers<n>& p, double s) {
   double sum = double(n) * p[n];
   for (size_t k = n; --k > 0;) sum = sum * s + double(k) * p[k];
   return sum;
@@ -49,9 +49,9 @@ Powers<4> controlPoints(const Powers<4>& p) {
 /// The root of what is positive at 0, negative at 1, and changes its sign once.
 template <size_t n>
 double onlyRoot(const Powers<n>& p) {
-  double lo = 0, hi = 1, s = p[0] / (p[0] - valueOf<n>(p, 1));
+  double lo = 0, hi = 1, s = p[0] / (p[0] - sumOfPowers<n>(p, 1));
   for (int turn = 0; turn < 64 && lo < hi; turn++) {
-    const double value = valueOf<n>(p, s), slope = slopeOf<n>(p, s);
+    const double value = sumOfPowers<n>(p, s), slope = slopeOfPowers<n>(p, s);
     (value > 0 ? lo : hi) = s;
     double next = s - value / slope;
     if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);

@@ -29,7 +29,7 @@ namespace {
 /// Steps in meshes take longer than those on grids, so that there are fewer in a call (kCellsPerCall).
 constexpr int64_t kMeshCellsPerCall = 1 << 16;
 
-const Mesh& checked(std::span<const std::shared_ptr<const Mesh>> meshes) {
+const Mesh& checkedVectors(std::span<const std::shared_ptr<const Mesh>> meshes) {
   if (meshes.empty() || meshes.size() > kMostFields)
     throw Error("lines read " + std::to_string(meshes.size()) + " volumes; expected 1 to " +
                 std::to_string(kMostFields));
@@ -98,7 +98,9 @@ class MeshPacket {
 
 MeshFields::MeshFields(std::vector<std::shared_ptr<const Mesh>> meshes,
                        std::shared_ptr<const Partitioning> partitioning, const std::function<void()>& check)
-    : meshes_(std::move(meshes)), partitioning_(std::move(partitioning)), reader_(checked(meshes_), check) {
+    : meshes_(std::move(meshes)),
+      partitioning_(std::move(partitioning)),
+      reader_(checkedVectors(meshes_), check) {
   for (size_t m = 1; m < meshes_.size(); m++)
     for (int c = 0; c < meshes_[m]->components; c++) recorded_.push_back({int(m), c});
   const std::vector<Range>& ranges = vectors().ranges;

@@ -30,7 +30,7 @@ struct TraceCondition {
 
 struct TraceOptions {
   /// Cells of error that are added per 100 cells of way, without what the flow itself makes of errors. Less than
-  /// 1e-4 is taken for that, as rounding leaves no more.
+  /// 1e-4, or 1e-8 in a mesh, is taken for that, as rounding leaves no more.
   double tolerance = 1e-3;
   double time = std::numeric_limits<double>::infinity();  ///< of each direction
   std::optional<double> length =
