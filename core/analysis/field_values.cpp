@@ -98,15 +98,6 @@ FieldValues ask(size_t count, std::span<const glm::dvec3> points, Collectives& r
   return result;
 }
 
-/// Whether a point is in a box, or may be outside of it by its rounding alone. Not for NaN.
-bool contains(const Box& box, glm::dvec3 p) {
-  for (int a = 0; a < 3; a++) {
-    const double margin = 1e-9 * (box.hi[a] - box.lo[a]);
-    if (!(p[a] >= box.lo[a] - margin && p[a] <= box.hi[a] + margin)) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 FieldValues readAt(const Volume& volume, const Partitioning& partitioning, size_t count,
@@ -145,16 +136,27 @@ FieldValues ValueReader::at(std::span<const int> components, std::span<const glm
           for (const int c : components) *values++ = float(reader.value(partition, place, c));
         },
         points, ranks);
+  return inCellsAt(
+      components.size(),
+      [components](const Mesh& mesh, const MeshPlace& place, float* values) {
+        for (const int c : components) *values++ = float(valueAt(mesh, place, c));
+      },
+      points, ranks);
+}
+
+FieldValues ValueReader::inCellsAt(size_t count, const ReadMeshPlace& read,
+                                   std::span<const glm::dvec3> points, Collectives& ranks) const {
+  const Partitioning& partitioning = *field_->partitioning;
   return ask<glm::dvec3>(
-      components.size(), points, ranks,
+      count, points, ranks,
       [&](glm::dvec3 point) -> std::optional<Addressed<glm::dvec3>> {
-        if (!contains(field_->mesh->box, point)) return std::nullopt;
+        if (!isInBox(field_->mesh->box, point)) return std::nullopt;
         return Addressed<glm::dvec3>{size_t(partitioning.owner(partitioning.nearest(point))), point};
       },
       [&](const glm::dvec3& point, float* values) {
         const std::optional<MeshPlace> place = mesh_->place(partitioning.nearest(point), point);
         if (!place) return false;
-        for (const int c : components) *values++ = float(mesh_->value(*place, c));
+        read(*field_->mesh, *place, values);
         return true;
       });
 }

@@ -24,6 +24,9 @@ struct FieldValues {
 using ReadPlace =
     std::function<void(const FieldReader& reader, int partition, const GridPlace& place, float* values)>;
 
+/// The same in a cell of an unstructured volume.
+using ReadMeshPlace = std::function<void(const Mesh& mesh, const MeshPlace& place, float* values)>;
+
 /// Collective. Returns, for the points that each rank gives, `count` >= 1 numbers each that `read` computes on the rank that owns the cell;
 /// any thread may call it. It works in rounds, so that it needs a bounded amount of memory besides the result. If any rank fails, all
 /// throw the same Error.
@@ -40,6 +43,9 @@ class ValueReader {
   /// Collective. Returns the values of `components` (as of FieldReader::value) at the points that each rank gives, as readAt() does.
   FieldValues at(std::span<const int> components, std::span<const glm::dvec3> points,
                  Collectives& ranks) const;
+  /// Collective. The same for `count` numbers that `read` computes in the cells of an unstructured volume.
+  FieldValues inCellsAt(size_t count, const ReadMeshPlace& read, std::span<const glm::dvec3> points,
+                        Collectives& ranks) const;
 
  private:
   std::shared_ptr<const Dataset> field_;

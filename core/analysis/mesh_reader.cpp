@@ -44,7 +44,61 @@ TreeBox boxOf(const MeshBlock& block, uint32_t cell) {
           {roundedUp(hi.x), roundedUp(hi.y), roundedUp(hi.z)}};
 }
 
+TreeBox boxAround(glm::dvec3 world, double margin) {
+  const glm::dvec3 lo = world - margin, hi = world + margin;
+  return {{roundedDown(lo.x), roundedDown(lo.y), roundedDown(lo.z)},
+          {roundedUp(hi.x), roundedUp(hi.y), roundedUp(hi.z)}};
+}
+
+/// What valueAt() is at the corners of a place's cell; nothing if it is NaN.
+std::optional<reference::OfCorners> valuesAtCorners(const Mesh& mesh, const MeshPlace& place, int component) {
+  const std::span<const uint32_t> points = place.block->cells.pointsOf(place.cell);
+  const auto n = size_t(mesh.components);
+  reference::OfCorners corners{};
+  double finite = 0;
+  if (!place.block->cellValues.empty())
+    for (size_t c = 0; c < n; c++) {
+      const float own = place.block->cellValues[place.cell * n + c];
+      finite += double(own - own);
+    }
+  for (size_t k = 0; k < points.size(); k++) {
+    const auto valueOf = [&](size_t c) {
+      return mesh.shift + mesh.scale * double(place.block->values[points[k] * n + c]);
+    };
+    if (component >= 0) {
+      corners[k] = valueOf(size_t(component));
+    } else {
+      double squares = 0;
+      for (size_t c = 0; c < n; c++) squares += valueOf(c) * valueOf(c);
+      corners[k] = std::sqrt(squares);
+    }
+    finite += corners[k] - corners[k];
+  }
+  return finite == 0 ? std::optional(corners) : std::nullopt;
+}
+
 }  // namespace
+
+bool isInBox(const Box& box, glm::dvec3 p) {
+  for (int a = 0; a < 3; a++) {
+    const double margin = 1e-9 * (box.hi[a] - box.lo[a]);
+    if (!(p[a] >= box.lo[a] - margin && p[a] <= box.hi[a] + margin)) return false;
+  }
+  return true;
+}
+
+CellCorners::CellCorners(const MeshBlock& block, uint32_t cell) : type_(block.cells.typeOf(cell)) {
+  const std::span<const uint32_t> numbers = block.cells.pointsOf(cell);
+  for (size_t k = 0; k < numbers.size(); k++) points_[k] = block.points[numbers[k]];
+}
+
+std::optional<glm::dvec3> CellCorners::placeOf(glm::dvec3 world, double slack) const {
+  const size_t n = points().size();
+  glm::dvec3 middle(0);
+  for (size_t k = 0; k < n; k++) middle += reference::placeOfCorner(type_, k);
+  const auto inverse = reference::invert(type_, points(), world, middle / double(n), slack);
+  return inverse ? std::optional(inverse->place) : std::nullopt;
+}
 
 class MeshReader::Tree {
  public:
@@ -52,24 +106,21 @@ class MeshReader::Tree {
       : block_(block), tree_(boxesOf(block, check)) {}
 
   std::optional<MeshPlace> place(glm::dvec3 world) const {
-    const TreeBox at{{roundedDown(world.x), roundedDown(world.y), roundedDown(world.z)},
-                     {roundedUp(world.x), roundedUp(world.y), roundedUp(world.z)}};
-    std::vector<uint32_t> cells;
-    tree_.query(bg::index::intersects(at), boost::make_function_output_iterator(
-                                               [&](const CellBox& found) { cells.push_back(found.second); }));
-    std::sort(cells.begin(), cells.end());
-    for (const uint32_t cell : cells) {
-      const CellType type = block_.cells.typeOf(cell);
-      const std::span<const uint32_t> points = block_.cells.pointsOf(cell);
-      std::array<glm::dvec3, 8> corners;
-      for (size_t k = 0; k < points.size(); k++) corners[k] = block_.points[points[k]];
-      glm::dvec3 middle(0);
-      for (size_t k = 0; k < points.size(); k++) middle += reference::placeOfCorner(type, k);
-      const auto inverse = reference::invert(type, std::span(corners).first(points.size()), world,
-                                             middle / double(points.size()));
-      if (inverse) return MeshPlace{&block_, cell, reference::shapeAt(type, inverse->place)};
+    for (const uint32_t cell : cellsNear(world, 0)) {
+      const CellCorners corners(block_, cell);
+      if (const auto place = corners.placeOf(world))
+        return MeshPlace{&block_, cell, reference::shapeAt(corners.type(), *place), *place};
     }
     return std::nullopt;
+  }
+
+  std::vector<uint32_t> cellsNear(glm::dvec3 world, double margin) const {
+    std::vector<uint32_t> cells;
+    tree_.query(
+        bg::index::intersects(boxAround(world, margin)),
+        boost::make_function_output_iterator([&](const CellBox& found) { cells.push_back(found.second); }));
+    std::sort(cells.begin(), cells.end());
+    return cells;
   }
 
  private:
@@ -87,7 +138,7 @@ class MeshReader::Tree {
   const CellTree tree_;
 };
 
-MeshReader::MeshReader(const Mesh& mesh, const std::function<void()>& check) : mesh_(mesh) {
+MeshReader::MeshReader(const Mesh& mesh, const std::function<void()>& check) {
   for (const auto& [partition, block] : mesh.blocks)
     trees_.emplace(partition, std::make_unique<const Tree>(block, check));
 }
@@ -107,33 +158,24 @@ std::optional<MeshPlace> MeshReader::place(int partition, glm::dvec3 world) cons
   return tree == trees_.end() ? std::nullopt : tree->second->place(world);
 }
 
-double MeshReader::value(const MeshPlace& place, int component) const {
-  const std::span<const uint32_t> points = place.block->cells.pointsOf(place.cell);
-  const auto n = size_t(mesh_.components);
-  reference::OfCorners corners{};
-  double finite = 0;
-  if (!place.block->cellValues.empty())
-    for (size_t c = 0; c < n; c++) {
-      const float own = place.block->cellValues[place.cell * n + c];
-      finite += double(own - own);
-    }
-  for (size_t k = 0; k < points.size(); k++) {
-    const auto valueOf = [&](size_t c) {
-      return mesh_.shift + mesh_.scale * double(place.block->values[points[k] * n + c]);
-    };
-    if (component >= 0) {
-      corners[k] = valueOf(size_t(component));
-    } else {
-      double squares = 0;
-      for (size_t c = 0; c < n; c++) squares += valueOf(c) * valueOf(c);
-      corners[k] = std::sqrt(squares);
-    }
-    finite += corners[k] - corners[k];
-  }
-  if (!(finite == 0)) return std::numeric_limits<double>::quiet_NaN();
-  const auto [least, most] =
-      std::minmax_element(corners.begin(), corners.begin() + std::ptrdiff_t(points.size()));
-  return std::clamp(place.shape.mean(corners), *least, *most);
+std::vector<uint32_t> MeshReader::cellsNear(int partition, glm::dvec3 world, double margin) const {
+  const auto tree = trees_.find(partition);
+  return tree == trees_.end() ? std::vector<uint32_t>() : tree->second->cellsNear(world, margin);
+}
+
+double valueAt(const Mesh& mesh, const MeshPlace& place, int component) {
+  const auto corners = valuesAtCorners(mesh, place, component);
+  if (!corners) return std::numeric_limits<double>::quiet_NaN();
+  const size_t n = place.block->cells.pointsOf(place.cell).size();
+  const auto [least, most] = std::minmax_element(corners->begin(), corners->begin() + std::ptrdiff_t(n));
+  return std::clamp(place.shape.mean(*corners), *least, *most);
+}
+
+glm::dvec3 gradientAt(const Mesh& mesh, const MeshPlace& place, int component) {
+  const auto corners = valuesAtCorners(mesh, place, component);
+  const reference::Jacobian jacobian(place.shape, CellCorners(*place.block, place.cell).points());
+  if (!corners || !jacobian.isRegular()) return glm::dvec3(std::numeric_limits<double>::quiet_NaN());
+  return jacobian.inSpace(reference::derivativesOf(place.shape, *corners));
 }
 
 }  // namespace gxy

@@ -55,13 +55,18 @@ std::vector<PointsWithout> recordFields(FilterRun& run, std::span<const FilterSo
 
 namespace {
 
+/// Collective. Takes memory for a field of three components.
+void takeThree(FilterRun& run, const GeometryBlock& block, std::vector<LedgerEntry>& memory) {
+  agree(run.ranks, [&] {
+    memory.push_back(run.takeMemory("geometry", int64_t(block.points.size() * 3 * sizeof(float))));
+  });
+}
+
 /// Three numbers of a volume's polynomial at each point become a field.
 void recordThree(FilterRun& run, const Dataset& of, const char* name, GeometryBlock& block,
                  std::vector<LedgerEntry>& memory,
                  const std::function<glm::dvec3(const FieldReader&, int partition, const GridPlace&)>& read) {
-  agree(run.ranks, [&] {
-    memory.push_back(run.takeMemory("geometry", int64_t(block.points.size() * 3 * sizeof(float))));
-  });
+  takeThree(run, block, memory);
   const auto write = [&](const FieldReader& reader, int partition, const GridPlace& place, float* values) {
     const glm::dvec3 three = read(reader, partition, place);
     for (int a = 0; a < 3; a++) values[a] = float(three[a]);
@@ -80,15 +85,27 @@ void recordGradient(FilterRun& run, const Dataset& volume, int component, Geomet
               });
 }
 
-void recordVorticity(FilterRun& run, const Dataset& vectors, GeometryBlock& block,
+void recordVorticity(FilterRun& run, const FilterSource& vectors, GeometryBlock& block,
                      std::vector<LedgerEntry>& memory) {
-  recordThree(run, vectors, "vorticity", block, memory,
-              [](const FieldReader& reader, int partition, const GridPlace& place) {
-                const glm::dvec3 u = reader.gradient(partition, place, 0),
-                                 v = reader.gradient(partition, place, 1),
-                                 w = reader.gradient(partition, place, 2);
-                return glm::dvec3(w.y - v.z, u.z - w.x, v.x - u.y);
-              });
+  const auto curl = [](glm::dvec3 u, glm::dvec3 v, glm::dvec3 w) {
+    return glm::dvec3(w.y - v.z, u.z - w.x, v.x - u.y);
+  };
+  constexpr const char* kName = "vorticity";
+  if (vectors.data->volume)
+    return recordThree(run, *vectors.data, kName, block, memory,
+                       [curl](const FieldReader& reader, int partition, const GridPlace& place) {
+                         return curl(reader.gradient(partition, place, 0),
+                                     reader.gradient(partition, place, 1),
+                                     reader.gradient(partition, place, 2));
+                       });
+  takeThree(run, block, memory);
+  const ReadMeshPlace read = [curl](const Mesh& mesh, const MeshPlace& place, float* values) {
+    const glm::dvec3 three =
+        curl(gradientAt(mesh, place, 0), gradientAt(mesh, place, 1), gradientAt(mesh, place, 2));
+    for (int a = 0; a < 3; a++) values[a] = float(three[a]);
+  };
+  FieldValues found = ValueReader(run, vectors).inCellsAt(3, read, block.points, run.ranks);
+  setField(block, {kName, 3, std::move(found.values)});
 }
 
 SampledVolumes sampledVolumes(std::span<const FilterSource> sources, const std::string& filter,

@@ -37,8 +37,8 @@ std::vector<PointsWithout> recordFields(FilterRun& run, std::span<const FilterSo
 /// Collective. The same for the gradient of a component of a volume (FieldReader::gradient()).
 void recordGradient(FilterRun& run, const Dataset& volume, int component, GeometryBlock& block,
                     std::vector<LedgerEntry>& memory);
-/// Collective. The same for the curl of three components, as the field "vorticity".
-void recordVorticity(FilterRun& run, const Dataset& vectors, GeometryBlock& block,
+/// Collective. The same for the curl of three components, on a grid or unstructured, as the field "vorticity".
+void recordVorticity(FilterRun& run, const FilterSource& vectors, GeometryBlock& block,
                      std::vector<LedgerEntry>& memory);
 
 /// Adds a field to a block, or replaces the one of its name.

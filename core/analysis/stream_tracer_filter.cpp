@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/analysis/made_geometry.h"
+#include "core/analysis/mesh_fields.h"
 #include "core/analysis/recorded_fields.h"
 #include "core/analysis/tracer.h"
 #include "core/comm/error.h"
@@ -115,11 +116,13 @@ FilterInfo StreamTracer::info() {
   return {
       "StreamTracer",
       1,
-      "Lines along a vector field, from seeds on. The field is trilinear between its samples, and a line is "
+      "Lines along a vector field, from seeds on. The field is trilinear between its samples, or what the "
+      "shape functions of an unstructured volume's cells make of values at points, and a line is "
       "followed cell by cell. The reply counts the ends of lines by their reasons.",
-      {{"vectors", kVolumes, "The field: three components."},
+      {{"vectors", kVolumes | kUnstructured, "The field: three components."},
        {"seeds", kParticles, "Where lines begin."},
-       {"field", kVolumes, "A field of one component on the same grid, for `where` and `color by`.",
+       {"field", kVolumes | kUnstructured,
+        "A field of one component on the same grid or cells, for `where` and `color by`.",
         FilterPort::Count::Optional},
        {"fields", kVolumes | kUnstructured, "Volumes on any grids whose values the points get.",
         FilterPort::Count::Any}},
@@ -163,9 +166,9 @@ std::vector<KeyRow<StreamTracer>> StreamTracer::properties() {
           "The values of points: the field's magnitude, time or length from the seed, or the value of the "
           "input `field`."),
       customKey<S>("fields", kLineFieldsText,
-                   "Further fields of points. `vorticity` is the curl of the trilinear field in the cell of "
+                   "Further fields of points. `vorticity` is the curl of the field in the cell of "
                    "the point; on a face, of "
-                   "the upper one.",
+                   "the upper one, and in an unstructured volume of the first one.",
                    readLineFields,
                    [](const S& s) { return s.fields.empty() ? OrderedJson() : OrderedJson(s.fields); })
           .byDefault("none"),
@@ -186,6 +189,40 @@ TraceOptions StreamTracer::options() const {
   return o;
 }
 
+namespace {
+
+// What makes the fields of a request may fail on one rank alone, too.
+void setGridFields(const FilterRun& run, const FilterSource& vectors, const FilterSource* field,
+                   TraceRequest& request) {
+  std::vector<std::shared_ptr<const Volume>> volumes{vectors.data->volume};
+  if (field) {
+    if (!field->data->volume || !(field->data->volume->grid == vectors.data->volume->grid))
+      throw Error("StreamTracer: " + inQuotes(field->name) + " has another grid than " +
+                  inQuotes(vectors.name) + ", expected the same");
+    volumes.push_back(field->data->volume);
+  }
+  const auto fields = std::make_shared<const CompiledFields>(std::move(volumes), vectors.data->partitioning);
+  request.fields = fields;
+  request.device = run.services().fieldMaker->make(fields, run.ranks.rank());
+}
+
+void setMeshFields(const FilterRun& run, const FilterSource& vectors, const FilterSource* field,
+                   TraceRequest& request) {
+  std::vector<std::shared_ptr<const Mesh>> meshes{vectors.data->mesh};
+  if (field) {
+    if (!field->data->mesh || !haveSameCells(*field->data->mesh, *vectors.data->mesh))
+      throw Error("StreamTracer: " + inQuotes(field->name) + " has other points or cells than " +
+                  inQuotes(vectors.name) + ", expected the same");
+    meshes.push_back(field->data->mesh);
+  }
+  const auto fields = std::make_shared<const MeshFields>(std::move(meshes), vectors.data->partitioning,
+                                                         [&run] { run.ranks.check(); });
+  request.fields = fields;
+  request.device = fields;
+}
+
+}  // namespace
+
 // May fail on one rank alone: it is called inside agree().
 TraceRequest StreamTracer::request(const FilterRun& run) const {
   const FilterServices& services = run.services();
@@ -196,10 +233,13 @@ TraceRequest StreamTracer::request(const FilterRun& run) const {
   if (!field && (where || colorBy == ColorBy::Field))
     throw Error(std::string("StreamTracer: `") + (where ? "where" : "color by") +
                 "` needs the input `field`, expected one");
-  if (vectors.data->volume->components != 3)
+  if (vectors.data->components() != 3)
     throw Error("StreamTracer: " + inQuotes(vectors.name) + " has " +
-                std::to_string(vectors.data->volume->components) +
-                " components, expected 3; `Derive` composes them of scalars by [u, v, w]");
+                std::to_string(vectors.data->components()) + " components, expected 3" +
+                (vectors.data->mesh ? "" : "; `Derive` composes them of scalars by [u, v, w]"));
+  if (field && field->data->components() != 1)
+    throw Error("StreamTracer: " + inQuotes(field->name) + " has " +
+                std::to_string(field->data->components()) + " components, expected one");
   if (const auto others = run.inputs().find("fields"); others != run.inputs().end()) {
     checkNames(others->second, "StreamTracer");
     for (const FilterSource& source : others->second)
@@ -207,19 +247,12 @@ TraceRequest StreamTracer::request(const FilterRun& run) const {
         throw Error("StreamTracer: a dataset of the input `fields` is called " + inQuotes(source.name) +
                     ", as a field of lines is, expected another name");
   }
-  std::vector<std::shared_ptr<const Volume>> volumes{vectors.data->volume};
-  if (field) {
-    if (field->data->volume->components != 1)
-      throw Error("StreamTracer: " + inQuotes(field->name) + " has " +
-                  std::to_string(field->data->volume->components) + " components, expected one");
-    if (!(field->data->volume->grid == vectors.data->volume->grid))
-      throw Error("StreamTracer: " + inQuotes(field->name) + " has another grid than " +
-                  inQuotes(vectors.name) + ", expected the same");
-    volumes.push_back(field->data->volume);
-  }
   TraceRequest request;
-  request.fields = std::make_shared<const CompiledFields>(std::move(volumes), vectors.data->partitioning);
-  request.device = services.fieldMaker->make(request.fields, run.ranks.rank());
+  if (vectors.data->mesh) {
+    setMeshFields(run, vectors, field, request);
+  } else {
+    setGridFields(run, vectors, field, request);
+  }
   const GeometryBlock& seeds = run.input("seeds").data->geometry->block;
   request.seeds = seeds.points;
   request.lines = seeds.ids;
@@ -234,8 +267,14 @@ TraceRequest StreamTracer::request(const FilterRun& run) const {
 FilterResult StreamTracer::run(FilterRun& run) const {
   TraceRequest asked;
   run.begin(0, 2, "lines");
-  agree(run.ranks, [&] { asked = request(run); });
+  LedgerEntry tree;
+  agree(run.ranks, [&] {
+    if (const auto& mesh = run.input("vectors").data->mesh)
+      tree = run.takeMemory("search tree", MeshFields::bytesFor(*mesh));
+    asked = request(run);
+  });
   TracedLines traced = run.services().tracer->trace(std::move(asked), run.ranks);
+  tree = LedgerEntry();
   run.begin(1, 2, "segments");
   constexpr LineValue::Kind kKinds[] = {LineValue::Kind::Speed, LineValue::Kind::Time,
                                         LineValue::Kind::Length, LineValue::Kind::Recorded};
@@ -247,7 +286,7 @@ FilterResult StreamTracer::run(FilterRun& run) const {
   const auto others = run.inputs().find("fields");
   if (others != run.inputs().end()) recordFields(run, others->second, made.block, memory);
   if (std::find(fields.begin(), fields.end(), "vorticity") != fields.end())
-    recordVorticity(run, *run.input("vectors").data, made.block, memory);
+    recordVorticity(run, run.input("vectors"), made.block, memory);
   FilterResult result;
   result.told = {{"lines", made.lines}, {"points", made.points}, {"ends", endsIn(made)}};
   result.dataset = madeGeometry(run, "lines", GeometryKind::PathLines, std::move(made.block),

@@ -25,7 +25,7 @@ struct TraceRequest {
   /// by one thread at a time, and not after the trace has ended.
   using TakeMemory = std::function<LedgerEntry(int64_t bytes)>;
 
-  std::shared_ptr<const CompiledFields> fields;
+  std::shared_ptr<const LineFields> fields;
   std::shared_ptr<const DeviceFields> device;  ///< made of `fields` for this rank
   /// This rank's seeds, in world coordinates, wherever they are, and the number of each one's line. Two seeds
   /// of all ranks have the same number only if both lines are to be one, which makeLines() refuses.

@@ -89,8 +89,8 @@ class Tracer::HeadFlight final : public Flight<AdvanceResult> {
     next_ += count;
     return [this, begin, count](const Done& done) {
       const TraceRequest& r = request();
-      SeedHeads seeds = seedHeads(*r.fields, std::span(r.seeds).subspan(begin, count),
-                                  std::span(r.lines).subspan(begin, count), r.direction);
+      SeedHeads seeds = r.fields->seeds(std::span(r.seeds).subspan(begin, count),
+                                        std::span(r.lines).subspan(begin, count), r.direction);
       AdvanceResult result;
       result.leaving = std::move(seeds.heads);
       result.ends = std::move(seeds.ends);
@@ -109,14 +109,15 @@ class Tracer::HeadFlight final : public Flight<AdvanceResult> {
       tracer_.flights_.fail(*this, textOf(e));
     }
   }
-  HeadList read(int partition, uint32_t, int count, std::span<const std::byte> bytes) const override {
+  HeadList read(int partition, uint32_t kind, int count, std::span<const std::byte> bytes) const override {
     const Reader in(bytes, "heads of lines");
-    const CompiledFields& fields = *request().fields;
+    const LineFields& fields = *request().fields;
     if (partition < 0 || partition >= fields.partitioning().partitions() ||
-        owner(partition) != tracer_.transport_.rank() || !fields.extentOf(partition))
+        owner(partition) != tracer_.transport_.rank())
       in.fail("partition " + std::to_string(partition) + " is not one whose field this rank has");
-    HeadList heads = HeadList::read(partition, bytes, count);
-    if (const char* wrong = wrongIn(heads, *fields.extentOf(partition))) in.fail(wrong);
+    if (kind != fields.headKind()) in.fail("the heads are of another kind than the field's");
+    HeadList heads = HeadList::read(partition, bytes, count, kind);
+    if (const char* wrong = fields.wrongHeads(heads)) in.fail(wrong);
     return heads;
   }
 

@@ -9,6 +9,7 @@
 
 #include "core/data/partitioning.h"
 #include "core/data/volume.h"
+#include "core/rays/line_fields.h"
 
 namespace gxy {
 
@@ -37,7 +38,7 @@ struct FlowUnits {
 /// A cell belongs to exactly one partition: the one that contains its centre (Partitioning::nearest of it).
 /// All ranks compute that alike. The block of that partition has all of the cell's points, and 4 layers of
 /// cells around them that heads may go on in.
-class CompiledFields {
+class CompiledFields final : public LineFields {
  public:
   /// The first volume is the vectors. All components of the others are recorded, in order. Throws Error
   /// unless there are 1 to 8 volumes, the first has 3 components, and all have the same grid and local blocks.
@@ -47,7 +48,12 @@ class CompiledFields {
   const Volume& vectors() const { return *volumes_.front(); }
   std::span<const std::shared_ptr<const Volume>> volumes() const { return volumes_; }
   std::span<const RecordedField> recorded() const { return recorded_; }
-  const Partitioning& partitioning() const { return *partitioning_; }
+  const Partitioning& partitioning() const override { return *partitioning_; }
+  size_t recordedComponents() const override { return recorded_.size(); }
+  HeadKind headKind() const override { return kGridHeads; }
+  SeedHeads seeds(std::span<const glm::dvec3> positions, std::span<const uint64_t> ids,
+                  TraceDirection direction) const override;
+  const char* wrongHeads(const HeadList& heads) const override;
   const Grid& grid() const { return volumes_.front()->grid; }
   const FlowUnits& units() const { return units_; }
 

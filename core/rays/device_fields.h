@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -45,24 +44,12 @@ class DeviceFields {
 
   /// Advances heads through a local partition until each has ended or left the partition's block. A head that
   /// has no points yet stores its seed. What becomes of a head, to the last bit, depends neither on the
-  /// partition nor on the heads beside it. The heads have been checked (wrongIn), and so have the options.
+  /// partition nor on the heads beside it. The heads have been checked (wrongHeads), and so have the options.
   virtual void advance(int partition, HeadList heads, const TraceOptions& options, Done done) const = 0;
 
   /// Bytes that the device holds besides the data.
   virtual size_t bytes() const = 0;
 };
-
-/// Heads for seeds, and the ends of those that cannot have one.
-struct SeedHeads {
-  std::vector<HeadList> heads;  ///< one list for each partition, ascending; in order of the seeds
-  std::vector<LineEnd> ends;    ///< `Outside`, one for each direction asked for
-};
-
-/// Makes heads of lines at world positions; the lines' numbers are `ids` (at most kLastLine). With
-/// TraceDirection::Both each seed has two heads, of which the forward one stores the seed. Throws Error unless
-/// there are as many ids as positions and they are in range. Thread safe.
-SeedHeads seedHeads(const CompiledFields& fields, std::span<const glm::dvec3> positions,
-                    std::span<const uint64_t> ids, TraceDirection direction);
 
 /// Fields in plain C++: the kernels' float text without a device. Slow; others are compared with it. Throws
 /// Error if a local partition's data cannot be read.

@@ -16,21 +16,14 @@ namespace gxy {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 void setPair(double x, float& high, float& rest) {
   high = float(x);
   rest = std::isfinite(high) ? float(x - double(high)) : 0;
 }
 
-// The limits of the kernel: field lines have no time of their own.
-struct Limits {
-  double time, length;
-};
-Limits limitsOf(const CompiledFields& fields, const TraceOptions& o) {
+TraceLimits gridLimits(const CompiledFields& fields, const TraceOptions& o) {
   const Box box = fields.grid().box();
-  const double length = o.length.value_or(10 * glm::length(box.hi - box.lo));
-  return o.normalised ? Limits{kInfinity, std::min(o.time, length)} : Limits{o.time, length};
+  return limitsOf(o, glm::length(box.hi - box.lo));
 }
 
 int pointsOf(const TraceOptions& o) {
@@ -68,11 +61,6 @@ struct Measure {
   }
 };
 
-EndReason reasonOf(const TraceOptions& o, const Limits& limits, int32_t reason) {
-  const auto r = EndReason(reason - 1);
-  return o.normalised && r == EndReason::Length && o.time <= limits.length ? EndReason::Time : r;
-}
-
 }  // namespace
 
 single::FlowView flowViewOf(const CompiledFields& fields, const Extent& block, const TraceOptions& o) {
@@ -84,7 +72,7 @@ single::FlowView flowViewOf(const CompiledFields& fields, const Extent& block, c
   const StepBounds bounds = stepBoundsOf(o.tolerance);
   v.theta = bounds.theta, v.kappa = bounds.kappa;
   v.slowest = float(o.minimumSpeed * u.time / u.length);
-  const Limits limits = limitsOf(fields, o);
+  const TraceLimits limits = gridLimits(fields, o);
   setPair(limits.time / u.time, v.timeLimit, v.timeLimitRest);
   setPair(limits.length / u.length, v.lengthLimit, v.lengthLimitRest);
   v.points = pointsOf(o);
@@ -200,7 +188,7 @@ void finishHeads(const CompiledFields& fields, const TraceOptions& options, Head
                  AdvanceResult& result) {
   const HeadView& h = heads.view();
   const Measure measure{fields.units(), options.normalised};
-  const Limits limits = limitsOf(fields, options);
+  const TraceLimits limits = gridLimits(fields, options);
   std::map<int, std::vector<int>> leaving;
   for (int i = 0; i < heads.size(); i++) {
     const Index3 cell{h.cellX[i], h.cellY[i], h.cellZ[i]};
@@ -212,15 +200,12 @@ void finishHeads(const CompiledFields& fields, const TraceOptions& options, Head
     LineEnd end;
     end.line = heads.line(i);
     end.backward = heads.backward(i);
-    end.reason = reasonOf(options, limits, h.reason[i]);
+    end.reason = EndReason(h.reason[i] - 1);
     end.points = h.points[i];
     end.length = measure.length(end.backward, h.length[i], h.lengthRest[i]);
     end.time = measure.time(end.backward, h.time[i], h.timeRest[i], end.length);
     // The pairs of the kernel have 48 bits; limits are met exactly.
-    if (end.reason == EndReason::Time) end.time = end.backward ? -options.time : options.time;
-    if (end.reason == EndReason::Time && options.normalised) end.length = end.time;
-    if (end.reason == EndReason::Length) end.length = end.backward ? -limits.length : limits.length;
-    if (end.reason == EndReason::Length && options.normalised) end.time = end.length;
+    settleAtLimit(options, limits, end);
     end.position = fields.worldOf(cell, {h.fx[i], h.fy[i], h.fz[i]});
     result.ends.push_back(end);
     result.retired++;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fields of a head of a line, described once. GXY_HEAD_FIELDS(F) calls F(type, name, sent) for each
-// four-byte field; `sent` says whether the field travels between ranks. The structure of arrays in C++
+// four-byte field that all heads have, GXY_MESH_HEAD_FIELDS(F) for those that only heads in meshes have; `sent` says whether the field travels between ranks. The structure of arrays in C++
 // (heads.h), the view in ISPC and the wire form are generated from it. C++ and ISPC read this file, so it
 // holds only macros.
 //
@@ -19,6 +19,16 @@
 // Only while a packet is in one partition:
 //   fresh      whether the head has moved since the last stored point
 //   reason     LINE_* (kernels/advect.h)
+//
+// Heads in meshes have doubles, each as two fields, the first of which has the lower half of its bits: (time, timeRest),
+// (length, lengthRest), (fx, gx), (fy, gy) and (fz, gz). Their unit is that of the world, and the place is one in the
+// cell's reference coordinates; of a head with HEAD_UNPLACED, which is a seed whose cell is not known yet, it is one in
+// the world.
+//   cellX, cellY        a number that is made of the places of the cell's points: the same one wherever the cell is
+//   cellZ               the cell's number in its block, or -1 where the head has come from another one
+//   near*               a place in the world near the head, for finding its cell
+//   step                cells of way that the next step may have
+//   info                HEAD_FACE(f): the head leaves its cell through face f
 #ifndef GXY_HEAD_FIELDS
 #define GXY_HEAD_FIELDS(F) \
   F(uint32, line, 1)       \
@@ -40,6 +50,18 @@
   F(int32, fresh, 0)       \
   F(int32, reason, 0)
 
+#define GXY_MESH_HEAD_FIELDS(F) \
+  F(uint32, gx, 1)              \
+  F(uint32, gy, 1)              \
+  F(uint32, gz, 1)              \
+  F(float, nearX, 1)            \
+  F(float, nearY, 1)            \
+  F(float, nearZ, 1)            \
+  F(float, step, 1)
+
 #define HEAD_BACKWARD 256u
+#define HEAD_UNPLACED 512u
+#define HEAD_FACE(face) (((face) + 1u) << 12)
+#define HEAD_FACES 0x7000u
 #define HEAD_LINE_HIGH 255u
 #endif

@@ -31,7 +31,7 @@ struct PathPoints {
 
 /// Why a line has ended. The order is part of the protocol between ranks.
 enum class EndReason : uint8_t {
-  Left,       ///< left the grid
+  Left,       ///< left the grid, or the cells of a mesh
   Time,       ///< reached the time asked for
   Length,     ///< reached the length asked for
   Steps,      ///< went through as many cells as asked for
@@ -40,7 +40,7 @@ enum class EndReason : uint8_t {
   Condition,  ///< met the condition
   Closed,     ///< came back to where it was
   Stuck,      ///< crossed faces without getting on; or would have more than kMostPoints points
-  Outside     ///< the seed is outside the grid or not finite
+  Outside     ///< the seed is outside the grid, in no cell, or not finite
 };
 inline constexpr int kEndReasons = 10;
 /// As users read it: "left", "time", ..., "no data", ...

@@ -7,14 +7,7 @@
 
 namespace gxy {
 
-namespace {
-
-struct Seed {
-  CompiledFields::Place place;
-  uint64_t line;
-};
-
-LineEnd outside(uint64_t line, bool backward, glm::dvec3 position) {
+LineEnd outsideEnd(uint64_t line, bool backward, glm::dvec3 position) {
   LineEnd end;
   end.line = line;
   end.backward = backward;
@@ -23,45 +16,55 @@ LineEnd outside(uint64_t line, bool backward, glm::dvec3 position) {
   return end;
 }
 
-HeadList headsOf(int partition, const std::vector<Seed>& seeds, TraceDirection direction) {
-  const bool both = direction == TraceDirection::Both;
-  HeadList list(partition, int(seeds.size()) * (both ? 2 : 1));
-  int i = 0;
-  for (const Seed& seed : seeds) {
-    if (direction != TraceDirection::Backward)
-      list.start(i++, seed.line, false, seed.place.cell, seed.place.fraction);
-    if (direction == TraceDirection::Forward) continue;
-    list.start(i, seed.line, true, seed.place.cell, seed.place.fraction);
-    list.view().points[i++] = both ? 1 : 0;
-  }
-  return list;
-}
-
-}  // namespace
-
-SeedHeads seedHeads(const CompiledFields& fields, std::span<const glm::dvec3> positions,
-                    std::span<const uint64_t> ids, TraceDirection direction) {
+SeedHeads makeSeedHeads(std::span<const glm::dvec3> positions, std::span<const uint64_t> ids,
+                        TraceDirection direction, HeadKind kind,
+                        const std::function<int(size_t i)>& partitionOf,
+                        const std::function<void(HeadList& heads, int k, size_t i, bool backward)>& start) {
   if (positions.size() != ids.size())
     throw Error("seeds: " + std::to_string(positions.size()) + " positions have " +
                 std::to_string(ids.size()) + " numbers of lines; expected as many");
   if (positions.size() > size_t(1) << 29)
     throw Error("seeds: " + std::to_string(positions.size()) + " at once; expected at most 2^29");
-  std::map<int, std::vector<Seed>> byPartition;
+  std::map<int, std::vector<size_t>> byPartition;
   SeedHeads seeds;
   for (size_t i = 0; i < positions.size(); i++) {
     if (ids[i] > kLastLine)
       throw Error("seeds: a line has the number " + std::to_string(ids[i]) + "; expected at most 2^40 - 1");
-    Seed seed{{}, ids[i]};
-    if (fields.locate(positions[i], seed.place)) {
-      byPartition[fields.partitionOf(seed.place.cell)].push_back(seed);
+    if (const int partition = partitionOf(i); partition >= 0) {
+      byPartition[partition].push_back(i);
       continue;
     }
-    if (direction != TraceDirection::Backward) seeds.ends.push_back(outside(ids[i], false, positions[i]));
-    if (direction != TraceDirection::Forward) seeds.ends.push_back(outside(ids[i], true, positions[i]));
+    if (direction != TraceDirection::Backward) seeds.ends.push_back(outsideEnd(ids[i], false, positions[i]));
+    if (direction != TraceDirection::Forward) seeds.ends.push_back(outsideEnd(ids[i], true, positions[i]));
   }
-  for (const auto& [partition, list] : byPartition)
-    seeds.heads.push_back(headsOf(partition, list, direction));
+  const bool both = direction == TraceDirection::Both;
+  for (const auto& [partition, list] : byPartition) {
+    HeadList& heads = seeds.heads.emplace_back(partition, int(list.size()) * (both ? 2 : 1), kind);
+    int k = 0;
+    for (const size_t i : list) {
+      if (direction != TraceDirection::Backward) start(heads, k++, i, false);
+      if (direction == TraceDirection::Forward) continue;
+      start(heads, k, i, true);
+      heads.view().points[k++] = both ? 1 : 0;
+    }
+  }
   return seeds;
+}
+
+SeedHeads CompiledFields::seeds(std::span<const glm::dvec3> positions, std::span<const uint64_t> ids,
+                                TraceDirection direction) const {
+  std::vector<Place> places(positions.size());
+  return makeSeedHeads(
+      positions, ids, direction, kGridHeads,
+      [&](size_t i) { return locate(positions[i], places[i]) ? partitionOf(places[i].cell) : -1; },
+      [&](HeadList& heads, int k, size_t i, bool backward) {
+        heads.start(k, ids[i], backward, places[i].cell, places[i].fraction);
+      });
+}
+
+const char* CompiledFields::wrongHeads(const HeadList& heads) const {
+  const Extent* extent = extentOf(heads.partition);
+  return extent ? wrongIn(heads, *extent) : "the partition has no field";
 }
 
 }  // namespace gxy

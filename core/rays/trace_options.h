@@ -7,7 +7,8 @@
 
 namespace gxy {
 
-class CompiledFields;
+class LineFields;
+struct LineEnd;
 
 enum class TraceDirection : uint8_t { Forward, Backward, Both };
 
@@ -22,14 +23,14 @@ enum class PointsMode : uint8_t {
 /// Ends lines where the value of a recorded component is in [lo, hi]. It is looked at where a step ends, so a
 /// line ends at most one step after it came into the range.
 struct TraceCondition {
-  int field = 0;  ///< index into CompiledFields::recorded()
+  int field = 0;  ///< which of the recorded components
   double lo = 0, hi = 0;
   bool operator==(const TraceCondition&) const = default;
 };
 
 struct TraceOptions {
   /// Cells of error that are added per 100 cells of way, without what the flow itself makes of errors. Less than
-  /// 1e-4 is taken for that, as rounding leaves no more.
+  /// 1e-4, or 1e-8 in a mesh, is taken for that, as rounding leaves no more.
   double tolerance = 1e-3;
   double time = std::numeric_limits<double>::infinity();  ///< of each direction
   std::optional<double> length =
@@ -44,7 +45,17 @@ struct TraceOptions {
 };
 
 /// Throws Error (what, and what is expected) unless the options can be used with the fields.
-void checkOptions(const TraceOptions& options, const CompiledFields& fields);
+void checkOptions(const TraceOptions& options, const LineFields& fields);
+
+/// The greatest time and length of a line, in world units. A field line has no time of its own: its length is limited.
+struct TraceLimits {
+  double time, length;
+};
+/// `diagonal` is that of the fields' box.
+TraceLimits limitsOf(const TraceOptions& options, double diagonal);
+/// Makes the time and length of a line that has ended at a limit exactly that limit. Of field lines, a reason of Length
+/// becomes Time where that was asked for.
+void settleAtLimit(const TraceOptions& options, const TraceLimits& limits, LineEnd& end);
 
 /// How the tolerance is kept: a step is at most `theta` cells long, and at most kappa / |J| of time, J being
 /// the field's derivative in cell units.

@@ -143,7 +143,7 @@ glm::dvec3 derivativesOf(const ShapeFunctions& shape, const OfCorners& values) {
 }
 
 std::optional<MapInverse> invert(CellType type, std::span<const glm::dvec3> points, glm::dvec3 target,
-                                 glm::dvec3 guess) {
+                                 glm::dvec3 guess, double slack) {
   double size = largest(target);
   for (const glm::dvec3& p : points) size = std::max(size, largest(p));
   const double floor = 4 * kEpsilon * size;
@@ -168,7 +168,7 @@ std::optional<MapInverse> invert(CellType type, std::span<const glm::dvec3> poin
     }
     if (!nearer) break;
   }
-  if (!(largest(missing) <= 16 * floor) || !isInside(type, place, 1e-9 + noise)) return std::nullopt;
+  if (!(largest(missing) <= 16 * floor) || !isInside(type, place, slack + noise)) return std::nullopt;
   return MapInverse{place, noise};
 }
 

@@ -39,9 +39,9 @@ struct MapInverse {
 };
 
 /// Inverts the map that takes the cell's corners to `points`: by Newton's method from `guess`, with steps that are halved until they come
-/// nearer. Returns none if it does not end at the point, inside the cell.
+/// nearer. Returns none if it does not end at the point, inside the cell or up to `slack` outside of it, in reference coordinates.
 std::optional<MapInverse> invert(CellType type, std::span<const glm::dvec3> points, glm::dvec3 target,
-                                 glm::dvec3 guess);
+                                 glm::dvec3 guess, double slack = 1e-9);
 
 /// The derivatives of a map by reference coordinates.
 class Jacobian {

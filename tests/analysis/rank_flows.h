@@ -17,7 +17,7 @@ namespace gxy::test {
 
 /// What one rank has of a flow.
 struct RankFlow {
-  std::shared_ptr<const CompiledFields> fields;
+  std::shared_ptr<const LineFields> fields;
   std::shared_ptr<const DeviceFields> device;
 };
 
@@ -36,8 +36,9 @@ inline std::vector<RankFlow> flowOnRanks(const Grid& grid, const FlowFunction& f
       volumes.push_back(mine);
     }
     RankFlow& rank = ranks.emplace_back();
-    rank.fields = std::make_shared<const CompiledFields>(std::move(volumes), partitioning);
-    rank.device = makePlainFields(rank.fields, r);
+    const auto fields = std::make_shared<const CompiledFields>(std::move(volumes), partitioning);
+    rank.fields = fields;
+    rank.device = makePlainFields(fields, r);
   }
   return ranks;
 }

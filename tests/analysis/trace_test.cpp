@@ -351,7 +351,8 @@ class SomeBackend final : public Backend {
 
 TEST(FieldMaker, TakesTheOtherBackendOnlyWhereTheOneInUseCannot) {
   const Grid grid = gridOver({-4, -4, -4}, {4, 4, 4}, {5, 5, 5});
-  const auto fields = flowOnRanks(grid, rotation, whole(grid.box())).front().fields;
+  const auto fields = std::dynamic_pointer_cast<const CompiledFields>(
+      flowOnRanks(grid, rotation, whole(grid.box())).front().fields);
   int made = 0;
   BackendRegistry registry;
   registry.addForFields([&made](Ledger*) {

@@ -102,13 +102,13 @@ struct Lines {
 
 /// Lines of seeds, numbered from 0, through fields whose partitions are all here. Heads travel in packets of at
 /// most `packet`, as messages do.
-inline Lines trace(const DeviceFields& device, const CompiledFields& fields,
-                   const std::vector<glm::dvec3>& seeds, const TraceOptions& options,
-                   TraceDirection direction = TraceDirection::Forward, int packet = 4096) {
+inline Lines trace(const DeviceFields& device, const LineFields& fields, const std::vector<glm::dvec3>& seeds,
+                   const TraceOptions& options, TraceDirection direction = TraceDirection::Forward,
+                   int packet = 4096) {
   checkOptions(options, fields);
   std::vector<uint64_t> ids(seeds.size());
   for (size_t i = 0; i < ids.size(); i++) ids[i] = i;
-  SeedHeads start = seedHeads(fields, seeds, ids, direction);
+  SeedHeads start = fields.seeds(seeds, ids, direction);
   Lines lines;
   lines.ends = std::move(start.ends);
   std::vector<HeadList> waiting;

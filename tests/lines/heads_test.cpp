@@ -56,9 +56,31 @@ TEST(HeadList, ComesBackFromItsWireFormWithTheSameBits) {
   }
 }
 
-TEST(HeadList, TakesLessThan96BytesOnTheWireAndHasOneKind) {
-  EXPECT_LE(HeadList::wireBytes(0), 96);
-  EXPECT_EQ(HeadList::wireBytes(1), 0);
+TEST(HeadList, OfMeshesComesBackFromItsWireFormWithTheSameBits) {
+  Random random(4);
+  HeadList heads(7, 33, kMeshHeads);
+  for (int i = 0; i < heads.size(); i++) {
+    heads.clear(i, random.bits() & kLastLine, random.below(2) == 1);
+    heads.view().gx[i] = uint32_t(random.bits()), heads.view().gy[i] = uint32_t(random.bits());
+    heads.view().nearZ[i] = float(random.unit()), heads.view().step[i] = float(random.unit());
+  }
+  Bytes message;
+  heads.split(20).at(1).write(message);
+  const HeadList read = HeadList::read(7, message, 13, kMeshHeads);
+  EXPECT_EQ(read.kind(), uint32_t(kMeshHeads));
+  for (int i = 0; i < read.size(); i++) {
+    expectSame(heads, 20 + i, read, i);
+    EXPECT_EQ(heads.view().gx[20 + i], read.view().gx[i]);
+    EXPECT_EQ(heads.view().gy[20 + i], read.view().gy[i]);
+    EXPECT_EQ(heads.view().nearZ[20 + i], read.view().nearZ[i]);
+    EXPECT_EQ(heads.view().step[20 + i], read.view().step[i]);
+  }
+}
+
+TEST(HeadList, TakesLessThan96BytesOnTheWireAndHasTwoKinds) {
+  EXPECT_LE(HeadList::wireBytes(kGridHeads), 64);
+  EXPECT_LE(HeadList::wireBytes(kMeshHeads), 96);
+  EXPECT_EQ(HeadList::wireBytes(kHeadKinds), 0);
 }
 
 TEST(HeadList, SplitsInOrder) {

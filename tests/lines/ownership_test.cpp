@@ -112,7 +112,7 @@ TEST(Seeds, PointsThatAreNotFiniteOrOutsideEndAsOutsideInEachDirection) {
   const double inf = std::numeric_limits<double>::infinity();
   const std::vector<glm::dvec3> seeds{{NAN, 1.5, 1}, {0, inf, 1}, {0, 1.5, -inf}, {0, 1.5, 4.1}, {0, 1.5, 4}};
   const std::vector<uint64_t> ids{10, 11, 12, 13, 14};
-  const SeedHeads both = seedHeads(*fields, seeds, ids, TraceDirection::Both);
+  const SeedHeads both = fields->seeds(seeds, ids, TraceDirection::Both);
   ASSERT_EQ(both.ends.size(), 8u);
   for (size_t i = 0; i < 8; i++) {
     EXPECT_EQ(both.ends[i].line, 10 + i / 2);
@@ -122,11 +122,11 @@ TEST(Seeds, PointsThatAreNotFiniteOrOutsideEndAsOutsideInEachDirection) {
   }
   ASSERT_EQ(both.heads.size(), 1u);
   EXPECT_EQ(both.heads[0].size(), 2);
-  EXPECT_EQ(seedHeads(*fields, seeds, ids, TraceDirection::Backward).heads[0].size(), 1);
-  EXPECT_EQ(seedHeads(*fields, {}, {}, TraceDirection::Forward).heads.size(), 0u);
-  EXPECT_THROW(seedHeads(*fields, seeds, std::vector<uint64_t>{1}, TraceDirection::Forward), Error);
+  EXPECT_EQ(fields->seeds(seeds, ids, TraceDirection::Backward).heads[0].size(), 1);
+  EXPECT_EQ(fields->seeds({}, {}, TraceDirection::Forward).heads.size(), 0u);
+  EXPECT_THROW(fields->seeds(seeds, std::vector<uint64_t>{1}, TraceDirection::Forward), Error);
   const std::vector<uint64_t> large(5, kLastLine + 1);
-  EXPECT_THROW(seedHeads(*fields, seeds, large, TraceDirection::Forward), Error);
+  EXPECT_THROW(fields->seeds(seeds, large, TraceDirection::Forward), Error);
 }
 
 std::string errorOf(const std::function<void()>& f) {

@@ -59,8 +59,7 @@ TEST(LinesUnderStress, NoCallGoesThroughMoreCellsThanItMay) {
   const Flow flow(gridOver({-1, -1, -1}, {1, 1, 1}, {9, 9, 3}),
                   [](glm::dvec3 p) { return glm::dvec3(-p.y, p.x, 0); });
   const std::vector<uint64_t> ids{0};
-  SeedHeads seeds =
-      seedHeads(*flow.fields, std::vector<glm::dvec3>{{0.9, 0, 0}}, ids, TraceDirection::Forward);
+  SeedHeads seeds = flow.fields->seeds(std::vector<glm::dvec3>{{0.9, 0, 0}}, ids, TraceDirection::Forward);
   const TraceOptions options{.length = 1e6, .points = PointsMode::Ends};
   int calls = 0;
   flow.device->advance(0, std::move(seeds.heads[0]), options, [&](AdvanceResult r) {

@@ -2,12 +2,15 @@
 // The filter StreamTracer on a server: seeds, lines, what it refuses, and what is left of a cancelled one.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <future>
 #include <mutex>
 
 #include "core/data/geometry.h"
 #include "multiserver/server/datasets.h"
 #include "tests/multiserver/viewer_client.h"
+#include "tests/support/cell_meshes.h"
+#include "tests/support/mesh_files.h"
 
 namespace gxy::test {
 namespace {
@@ -144,6 +147,68 @@ TEST(Lines, HaveTheFieldsThatAreAskedForOnAnyNumberOfRanks) {
     for (const char* name : {"lines", "seeds", "turn", "east", "ball"})
       client->expect(std::string("drop ") + name);
     for (int r = 0; r < ranks; r++)  // a thread that has ended the last line may still let go of the flow
+      until([&] { return lines.server->serverRank(r).ledger.total("user") == 0; }, "nothing is kept");
+  }
+}
+
+/// Cells of all types in the unit cube, with vectors that turn about its middle, and with x.
+std::string turningCells() {
+  const MeshPiece cells = cubeOfAllCells(
+      4, [](glm::dvec3) { return glm::dvec3(0); }, [](glm::dvec3 p) { return p.x; });
+  GridFile file = gridOf(cells, 0, cells.cells.size(), "east");
+  GridFile::Array turn{"turn", "Float32", 3, {}};
+  for (const glm::dvec3& p : file.points)
+    turn.values.insert(turn.values.end(), {-(p.y - 0.5), p.x - 0.5, 0.0});
+  file.pointArrays.push_back(turn);
+  return file.vtu();
+}
+
+TEST(Lines, ThroughTheCellsOfAFileAreTheSameOnAnyNumberOfRanks) {
+  GeometryBlock expected;
+  for (const int ranks : {1, 3}) {
+    LinesServer lines(ranks);
+    const auto client = lines.server->client();
+    for (const char* module : {"data", "analysis"}) client->expect(std::string("load ") + module);
+    std::ofstream(lines.server->folder() / "cells.vtu") << turningCells();
+    for (const char* name : {"turn", "east"})
+      client->expect(
+          "import " +
+          json{{"Datasets",
+                {{{"name", name}, {"filename", "cells.vtu"}, {"type", "Volume"}, {"array", name}}}}}
+              .dump());
+    client->expect(
+        make("Seeds", "seeds", {{"domain", "turn"}},
+             {{"shape", "line"}, {"from", {0.55, 0.5, 0.3}}, {"to", {1.05, 0.5, 0.3}}, {"count", 11}}));
+    const json reply =
+        told(*client, make("StreamTracer", "lines",
+                           {{"vectors", "turn"}, {"seeds", "seeds"}, {"field", "east"}, {"fields", {"turn"}}},
+                           {{"time", 3}, {"color by", "field"}, {"fields", {"time", "vorticity"}}}));
+    EXPECT_EQ(reply.at("lines"), 10);
+    EXPECT_EQ(reply.at("ends"), (json{{"outside", 1}, {"time", 10}}));
+    const GeometryBlock all = lines.segments("lines");
+    const auto field = [&](const std::string& name) { return *findField(all.fields, name); };
+    for (size_t i = 0; i < all.points.size(); i++) {
+      const double radius = 20 * std::hypot(all.points[i].x - 0.5, all.points[i].y - 0.5);
+      EXPECT_NEAR(radius, std::round(radius), 1e-4) << "lines are circles";
+      EXPECT_NEAR(all.values[i], all.points[i].x, 1e-6);
+      EXPECT_NEAR(fieldValue(field("turn"), 1, i), all.points[i].x - 0.5, 1e-6);
+      EXPECT_NEAR(fieldValue(field("vorticity"), 2, i), 2, 1e-5);
+    }
+    if (ranks == 1)
+      expected = all;
+    else
+      EXPECT_TRUE(all == expected);
+    const auto refused = [&](const json& in, const std::string& why) {
+      const std::string error = client->request(make("StreamTracer", "x", in, json::object())).error;
+      EXPECT_NE(error.find(why), std::string::npos) << error;
+    };
+    refused({{"vectors", "east"}, {"seeds", "seeds"}}, "\"east\" has 1 components, expected 3");
+    client->expect(importBall("ball"));
+    refused({{"vectors", "turn"}, {"seeds", "seeds"}, {"field", "ball"}},
+            "\"ball\" has other points or cells than \"turn\", expected the same");
+    for (const char* name : {"lines", "seeds", "turn", "east", "ball"})
+      client->expect(std::string("drop ") + name);
+    for (int r = 0; r < ranks; r++)
       until([&] { return lines.server->serverRank(r).ledger.total("user") == 0; }, "nothing is kept");
   }
 }
