@@ -278,6 +278,24 @@ CELL_TYPES 1
 
 // A hexahedron beside two wedges that cut the face between them, and apart from these an inverted tetrahedron, the same again, a duplicate, a
 // triangle, and a tetrahedron of which a point has no value and another lies in a face of the hexahedron.
+TEST_F(DataTools, MakesCellsOfBothKinds) {
+  ASSERT_EQ(data("turbulence -r 5,4,3 --cells tetrahedra --displacement 0.1 t.vtu"), 0);
+  ASSERT_EQ(data("info t.vtu | tee said"), 0);
+  const std::string tetrahedra = readText(at("said"));
+  EXPECT_NE(tetrahedra.find("  points               60\n  tetrahedra           144\n"), std::string::npos)
+      << tetrahedra;
+  EXPECT_EQ(tetrahedra.find("inverted"), std::string::npos) << tetrahedra;
+  ASSERT_EQ(data("marschner-lobb -r 4 --displacement 0.2 h.vtu"), 0);
+  ASSERT_EQ(data("info h.vtu | tee said"), 0);
+  const std::string hexahedra = readText(at("said"));
+  EXPECT_NE(hexahedra.find("  points               64\n  hexahedra            27\n"), std::string::npos)
+      << hexahedra;
+  EXPECT_EQ(data("turbulence --cells tetrahedra n.vol"), 1);
+  EXPECT_NE(saidBy("turbulence --cells tetrahedra n.vol").find("expected a .vtu"), std::string::npos);
+  EXPECT_EQ(data("turbulence -r 5,1,5 n.vtu"), 1);
+  EXPECT_EQ(data("turbulence --cells cubes n.vtu"), 2);
+}
+
 TEST_F(DataTools, InfoTellsWhatAnImportFindsInAMesh) {
   test::GridFile grid;
   for (const double x : {0, 1, 2})

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 
 #include "core/comm/error.h"
 #include "core/scene/state_file.h"
@@ -97,6 +98,35 @@ class Maker {
     Scene scene = empty(field.name + "-" + std::to_string(points) + "-isosurface", about);
     addVolume(scene, field, points);
     scene.state.visualizations[0].operators[0].isovalues = {value};
+    return scene;
+  }
+
+  /// A field at the points of tetrahedra or hexahedra, as many as cubes of a grid of points^3 have, with bent faces. An `isovalue` takes the
+  /// place of the map.
+  Scene cells(const char* kind, const Field& field, int64_t points, const NamedMap& map, const char* about,
+              std::optional<double> isovalue = std::nullopt) const {
+    Scene scene = empty(
+        field.name + "-" + kind + "-" + std::to_string(points) + "-" + (isovalue ? "isosurface" : map.name),
+        about);
+    const auto make = [field, points, kind](const std::string& path) {
+      data_tool::Options options;
+      options.resolution = {points, points, points};
+      options.cells = kind;
+      options.displacement = 0.12;
+      options.out = path;
+      data_tool::makeVolume({field}, options);
+    };
+    const std::string name = std::filesystem::path(nameOf(field, points)).stem().string();
+    Vis& vis = add(
+        scene, DatasetType::Volume, VisType::Volume,
+        {std::string(kind) + "-" + name + "-v" + std::to_string(data_tool::kGeometryVersion) + ".vtu", make});
+    vis.referenceLength = kReferenceLength;
+    if (isovalue) {
+      vis.isovalues = {*isovalue};
+    } else {
+      vis.volumeRendering = true;
+      vis.opacitymap.points = map.points;
+    }
     return scene;
   }
 
@@ -209,6 +239,8 @@ std::vector<Scene> fixedScenes(bool quick) {
             maker.volume(turbulent, n, kNearlyOpaque, "opaque after a cell"),
             maker.volume(smooth, n, kStepped, "a field of long waves under a staircase"),
             maker.volume(sparse, n, kSpiky, "mostly empty, under two narrow peaks"),
+            maker.cells("tetrahedra", turbulent, 9, kSmooth, "noise in tetrahedra under a ramp"),
+            maker.cells("hexahedra", turbulent, 9, kSpiky, "noise in bent hexahedra under two peaks"),
             maker.spheres(),
             maker.mesh(),
             maker.mixed()};
@@ -229,6 +261,14 @@ std::vector<Scene> fixedScenes(bool quick) {
       maker.isosurface(ml, n, 0.5, "the same, fine"),
       maker.isosurface(turbulent, n, 0.5, "an isosurface with very many sheets"),
       maker.isosurface(sparse, n, 0.3, "an isosurface in mostly empty space"),
+      maker.cells("tetrahedra", turbulent, 65, kSmooth, "noise in 1.6 million tetrahedra under a ramp"),
+      maker.cells("tetrahedra", turbulent, 65, kSpiky, "under two narrow peaks"),
+      maker.cells("tetrahedra", sparse, 65, kSpiky, "mostly empty, under two narrow peaks"),
+      maker.cells("tetrahedra", turbulent, 65, kSmooth, "an isosurface with very many sheets", 0.5),
+      maker.cells("hexahedra", turbulent, 65, kSmooth, "noise in 262,144 bent hexahedra under a ramp"),
+      maker.cells("hexahedra", turbulent, 65, kSpiky, "under two narrow peaks"),
+      maker.cells("hexahedra", sparse, 65, kSpiky, "mostly empty, under two narrow peaks"),
+      maker.cells("hexahedra", turbulent, 65, kSmooth, "an isosurface with very many sheets", 0.5),
       maker.spheres(),
       maker.mesh(),
       maker.mixed()};

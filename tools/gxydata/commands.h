@@ -21,14 +21,19 @@ struct Options {
   std::string array;  ///< array to write or read; empty: the first, or the active one
   int64_t count = 0;  ///< number of particles or path lines, or rows of a mesh; 0: a default
   double displacement = 0;
+  std::string cells = "hexahedra";  ///< of a mesh of cells; or "tetrahedra"
   std::string in, out;
   RawOptions raw;                  ///< facts about `in`
   std::vector<std::string> files;  ///< files of a scene
   LookOptions look;                ///< options of the first look at them
 };
 
-/// Samples fields on [-1, 1]^3: all of them into a .vti, one into a .vol or .json.
+/// Samples fields on [-1, 1]^3: all of them into a .vti, one into a .vol or .json, or into a .vtu as makeCells() does.
 void makeVolume(const std::vector<Field>& fields, const Options& options);
+
+/// Samples a field at the points of a mesh of cells that fills about [-1, 1]^3, and writes it into a .vtu. `displacement`: how far points are
+/// moved at most, so that faces are bent.
+void makeCells(const Field& field, const Options& options);
 
 /// Raise this when one of the generators of geometry below makes other data from the same options: it is part
 /// of the names under which gxybench keeps files.

@@ -24,6 +24,7 @@ constexpr const char* kExamples = R"(Examples:
   gxydata radial -r 64 balls.vti                     five arrays: oneBall, eightBalls, x, y, z
   gxydata radial -r 64,32,16 --array x ramp.vol      one array; the samples go to ramp.raw
   gxydata turbulence -r 256 --seed 7 noise.vol
+  gxydata turbulence -r 64 --cells tetrahedra --displacement 0.1 noise.vtu
   gxydata radial -t 10 balls.vti                     balls_0000.vti to balls_0009.vti
   gxydata particles -r 100000 halos.vtp
   gxydata convert carotid.vtk carotid.vti
@@ -126,6 +127,14 @@ void addResolution(CLI::App* command, Options& options, std::string& text, const
   command->add_option("-r,--resolution", text,
                       "points per axis: N or NX,NY,NZ (default " + std::string(standard) + ")");
   command->add_option("--array", options.array, "write this array only");
+  command->add_option("--cells", options.cells, "of a .vtu: tetrahedra or hexahedra")
+      ->check(CLI::IsMember({"tetrahedra", "hexahedra"}))
+      ->capture_default_str();
+  command
+      ->add_option("--displacement", options.displacement,
+                   "of a .vtu: how far points are moved, so that cells are bent")
+      ->check(CLI::Range(0.0, 0.2))
+      ->capture_default_str();
   command->callback([&options, &text, standard] {
     options.resolution = threeNumbers<int64_t>(text.empty() ? standard : text, "-r", true);
   });

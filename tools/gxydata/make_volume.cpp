@@ -24,6 +24,9 @@ std::vector<Field> chosenFields(const std::vector<Field>& fields, const Options&
 
 void makeVolume(const std::vector<Field>& all, const Options& options) {
   const std::vector<Field> fields = chosenFields(all, options);
+  if (extensionOf(options.out) == ".vtu") return makeCells(fields.front(), options);
+  if (options.cells != Options().cells || options.displacement != 0)
+    throw Error(options.out + ": --cells and --displacement were given, expected a .vtu");
   Grid grid;
   grid.points = options.resolution;
   for (int a = 0; a < 3; ++a) {
