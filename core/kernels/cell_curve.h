@@ -284,30 +284,6 @@ FN void addPiecesOfFew(MAP map, CellCurve c, UNIFORM bool bows, real turns0, rea
   }
 }
 
-// Adds a part of a ray on which the value goes linearly from s0 to s1. Returns whether the map shows something there.
-FN bool addLinear(MAP map, real s0, real s1, real span, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
-  real from = R(0.0), s = s0, most = R(1.0), smallest = smallestPiece(R(0.0), R(1.0));
-  bool more = true, seen = false;
-  while (more) {
-    bool whole = R(1.0) - from <= most;
-    real to = whole ? R(1.0) : from + most;
-    real part = to - from, next = whole ? s1 : lerp1(s0, s1, to);
-    MapMean m = meanAlong(map, s, next);
-    seen = seen || m.sigma > R(0.0);
-    more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, mapCurvatureError(m), R(0.0),
-                    part <= smallest, tMin, rgb, A);
-    if (more) {
-      most = R(0.5) * part;
-    } else {
-      from = to;
-      s = next;
-      most = R(2.0) * part;
-      more = !whole && R(1.0) - A >= tMin;
-    }
-  }
-  return seen;
-}
-
 // How a curve lies in a map.
 struct CurveInMap {
   bool even;            // the value stays within one interval of the map, or does not change
@@ -331,6 +307,48 @@ FN CurveInMap curveInMap(MAP map, CellCurve c) {
   lies.turns0 = turns0;
   lies.turns1 = turns1;
   return lies;
+}
+
+// The value along a way on which it is linear.
+FN CellCurve linearCurve(real s0, real s1) {
+  CellCurve c;
+  real third = (s1 - s0) * R(0.33333333333333333);
+  c.cubic = make_v4(s0, s0 + third, s1 - third, s1);
+  c.low = min(s0, s1);
+  c.high = max(s0, s1);
+  return c;
+}
+
+// Adds a part of a ray on which the value goes linearly from s0 to s1. Returns whether the map shows something there.
+FN bool addLinear(MAP map, real s0, real s1, real span, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
+  bool seen = false;
+  if (mapIsSmall(map)) {
+    CellCurve c = linearCurve(s0, s1);
+    CurveInMap lies = curveInMap(map, c);
+    seen = lies.seen;
+    if (seen) addPiecesOfFew(map, c, false, R(1.0), R(1.0), R(0.0), R(1.0), span, tMin, rgb, A);
+  } else {
+    real from = R(0.0), s = s0, most = R(1.0), smallest = smallestPiece(R(0.0), R(1.0));
+    bool more = true;
+    while (more) {
+      bool whole = R(1.0) - from <= most;
+      real to = whole ? R(1.0) : from + most;
+      real part = to - from, next = whole ? s1 : lerp1(s0, s1, to);
+      MapMean m = meanAlong(map, s, next);
+      seen = seen || m.sigma > R(0.0);
+      more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, mapCurvatureError(m), R(0.0),
+                      part <= smallest, tMin, rgb, A);
+      if (more) {
+        most = R(0.5) * part;
+      } else {
+        from = to;
+        s = next;
+        most = R(2.0) * part;
+        more = !whole && R(1.0) - A >= tMin;
+      }
+    }
+  }
+  return seen;
 }
 
 // Adds the part from uFrom to uTo of a curve, which is `span` long in all. `bows`: the value may be far from linear.

@@ -44,12 +44,12 @@ FN bool passesSide(FrameRay r, vec3 a, vec3 b, vec3 c, vec3 d, bool triangle, OU
 }
 
 // The largest error that the value may have on a step of this length whose values are from low to high. Where the value is wrong by a part of
-// how far it goes, so is the optical depth of what the map shows there. (Its slope is too steep in one half of the step and too flat in the
-// other, and most of that cancels.)
+// how far it goes, the optical depth of what the map shows there is wrong by about twice that part: the slope is too steep in one half of
+// the step and too flat in the other, and some of that cancels.
 FN real errorAllowed(MAP map, real low, real high, real length, real range, real tMin) {
   MapMean m = meanAlong(map, low, high);
   real tau = min(m.sigma * length, R(1.0));
-  real allowed = tMin * (high - low) / max(tau, R(1e-30));
+  real allowed = R(0.5) * tMin * (high - low) / max(tau, R(1e-30));
   real rounding = max(R(1e-6) * range, R(2.5e-7) * max(abs(low), abs(high)));
   return max(min(allowed, R(0.05) * range), rounding);
 }

@@ -106,16 +106,6 @@ FN MeshMarch startMesh(CLIPS clips, vec3 o, vec3 d, MarchRange m, real A) {
   return w;
 }
 
-// The value along a way on which it is linear.
-FN CellCurve linearCurve(real s0, real s1) {
-  CellCurve c;
-  real third = (s1 - s0) * R(0.33333333333333333);
-  c.cubic = make_v4(s0, s0 + third, s1 - third, s1);
-  c.low = min(s0, s1);
-  c.high = max(s0, s1);
-  return c;
-}
-
 // Walks from a face of the shell to another one, which it returns (cell << 3 | corner), and integrates the cells on the way. Where the
 // rest of the ray belongs to other partitions or is not seen, it ends earlier and clears w.goes.
 FN uint walkMesh(OPERATOR op, FrameRay r, MarchRange m, uint from, INOUT(MeshMarch) w, INOUT(Radiance) L,
