@@ -393,7 +393,9 @@ void expectRoom(const Device& device, const SharedData& shared, const CompiledSc
   for (const int p : partitions) {
     add(blocksOf(scene.operators, p), shared.samples,
         [](const VolumeBlock& block) { return block.samples.size(); });
-    add(geometryOf(scene, p), shared.geometry, [](const GeometryInPartition& part) { return part.bytes(); });
+    add(geometryOf(scene, p), shared.geometry, [](const GeometryInPartition& part) {
+      return part.bytes() + (part.cells ? part.cells->bytes() : 0);
+    });
   }
   if (sizes.size() > 1) device.expectRoom(sizes, "the scene's volumes and geometry");
 }

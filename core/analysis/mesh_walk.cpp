@@ -106,7 +106,7 @@ void MeshWalk::enter(uint32_t cell, glm::dvec3 place) {
 std::optional<EndReason> MeshWalk::endBeforeStep() const {
   if (!(t_.limits.time - head_.time > 0)) return EndReason::Time;
   if (!(t_.limits.length - head_.length > 0)) return EndReason::Length;
-  if (head_.steps >= t_.options.steps) return EndReason::Steps;
+  if (head_.steps >= std::min<int64_t>(t_.options.steps, INT32_MAX - 1)) return EndReason::Steps;
   if (head_.stalled / kTrial >= kMostTrials) return head_.way > 0 ? EndReason::Stuck : EndReason::Closed;
   if (head_.stalled % kTrial >= kMostCrossings) return EndReason::Stuck;
   return std::nullopt;
@@ -185,7 +185,7 @@ void MeshWalk::setNextStep(const CellStep& step, bool shortened) {
       step.error < 1e-8 * allowed ? 1.0 : 0.9 * way * std::sqrt(std::sqrt(allowed / step.error));
   // A step that something else has made short says little.
   const double next = shortened ? std::max(double(head_.step), best) : std::min(best, 4 * way);
-  head_.step = float(std::clamp(next, kFinestStep, 1.0));
+  head_.step = next > kFinestStep ? float(std::min(next, 1.0)) : float(kFinestStep);  // if it is NaN, too
 }
 
 MeshWalk::Tried MeshWalk::accept(const CellStep& step, StepExit exit, bool shortened, glm::dvec3& rate) {

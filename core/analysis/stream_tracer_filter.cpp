@@ -235,8 +235,8 @@ TraceRequest StreamTracer::request(const FilterRun& run) const {
                 "` needs the input `field`, expected one");
   if (vectors.data->components() != 3)
     throw Error("StreamTracer: " + inQuotes(vectors.name) + " has " +
-                std::to_string(vectors.data->components()) + " components, expected 3" +
-                (vectors.data->mesh ? "" : "; `Derive` composes them of scalars by [u, v, w]"));
+                std::to_string(vectors.data->components()) +
+                " components, expected 3; `Derive` composes them of scalars by [u, v, w]");
   if (field && field->data->components() != 1)
     throw Error("StreamTracer: " + inQuotes(field->name) + " has " +
                 std::to_string(field->data->components()) + " components, expected one");

@@ -5,8 +5,10 @@
 #include <cstring>
 #include <map>
 #include <span>
+#include <string>
 #include <utility>
 
+#include "core/comm/error.h"
 #include "core/data/mesh_blocks.h"
 #include "core/data/mesh_defects.h"
 #include "core/data/mesh_kinds.h"
@@ -114,6 +116,11 @@ GatheredMesh gatherMesh(const Mesh& mesh, const Partitioning& partitioning, Coll
   piece.ofCells = mesh.ofCells;
   agree(ranks, [&] {
     ranks.check();
+    uint64_t cells = 0;
+    for (const uint64_t ofType : mesh.report.cells) cells += ofType;
+    if (mesh.report.points >= kMostMeshPoints || cells >= kMostMeshCells)
+      throw Error("a mesh of " + std::to_string(mesh.report.points) + " points and " + std::to_string(cells) +
+                  " cells, expected fewer than 2^30 points and 2^29 cells, as one rank gets all of it");
     for (const auto& [partition, block] : mesh.blocks) appendOwn(mesh, block, partitioning, partition, piece);
   });
   MeshBlockCounts counts;

@@ -162,14 +162,17 @@ FN real bendMean(INOUT(MapMean) m, real s0, real middle, real s1) {
       real part = bow / rise;
       real spread = min(abs(m.sigma - R(0.5) * (m.sigmaFront + m.sigmaBack)) * perSigma, R(1.0));
       real shift = R(0.66666666666666667) * part * (R(1.0) - spread);
+      real shade =
+          max(max(curvature(m.color.x, m.front.x, m.back.x), curvature(m.color.y, m.front.y, m.back.y)),
+              curvature(m.color.z, m.front.z, m.back.z));
       real front = shift * m.sigmaFront, back = shift * m.sigmaBack;
       real sigma = max(m.sigma + (back - front), R(0.0));
       real one = sigma > R(0.0) ? R(1.0) / sigma : R(0.0);
-      m.color.x = one * (m.sigma * m.color.x + (back * m.back.x - front * m.front.x));
-      m.color.y = one * (m.sigma * m.color.y + (back * m.back.y - front * m.front.y));
-      m.color.z = one * (m.sigma * m.color.z + (back * m.back.z - front * m.front.z));
+      m.color.x = max(one * (m.sigma * m.color.x + (back * m.back.x - front * m.front.x)), R(0.0));
+      m.color.y = max(one * (m.sigma * m.color.y + (back * m.back.y - front * m.front.y)), R(0.0));
+      m.color.z = max(one * (m.sigma * m.color.z + (back * m.back.z - front * m.front.z)), R(0.0));
       m.sigma = sigma;
-      error = R(2.0) * abs(part) * spread + change * (part * part);
+      error = R(2.0) * abs(part) * (spread + shade) + change * (part * part);
     } else {
       error =
           max(change, min(max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack)) * perSigma, R(1.0)));

@@ -20,7 +20,8 @@ namespace gxy {
 
 namespace {
 
-constexpr size_t kWorthLeavingOut = 16;  // one brick in so many must not be seen
+// Bricks are left out if one in so many is not seen, unless that leaves a new face of the shell for so few cells.
+constexpr size_t kWorthLeavingOut = 16, kCellsPerFace = 8;
 
 // The number of cells in a brick.
 size_t brickSize(uint32_t corners) {
@@ -161,17 +162,21 @@ std::vector<uint32_t> unseenBricks(const CompiledMap& map, const std::vector<Ran
   return unseen;
 }
 
-// The cells without the bricks that are not seen: what rays meet first is then the faces between these and others.
-GeometryInPartition withoutBricks(std::shared_ptr<const GeometryInPartition> cells, uint32_t corners,
-                                  std::vector<uint32_t> unseen) {
+// The cells without the bricks that are not seen: what rays meet first is then the faces between these and others. Returns nothing if these
+// faces are too many.
+std::optional<GeometryInPartition> withoutBricks(std::shared_ptr<const GeometryInPartition> cells,
+                                                 uint32_t corners, std::vector<uint32_t> unseen,
+                                                 const Advance& advance) {
   GeometryInPartition part;
   const size_t size = brickSize(corners), sides = corners == 4 ? 4 : 6;
   const auto hasUnseen = [&](FaceId face) { return isUnseen(unseen, cellOf(face) / size); };
   std::copy_if(cells->shell.begin(), cells->shell.end(), std::back_inserter(part.shell),
                [&](FaceId face) { return !hasUnseen(face); });
-  const size_t count = cells->neighbours.size() / sides;
+  const size_t count = cells->neighbours.size() / sides, most = part.shell.size() + count / kCellsPerFace;
   for (size_t brick = 0; brick < cells->bricks.size(); brick++) {
     if (isUnseen(unseen, brick)) continue;
+    if (part.shell.size() > most) return std::nullopt;
+    if (brick % 64 == 0) tell(advance, brick, cells->bricks.size());
     for (size_t cell = brick * size; cell < std::min((brick + 1) * size, count); cell++)
       for (size_t side = 0; side < sides; side++) {
         const FaceId behind = cells->neighbours[cell * sides + side];
@@ -187,9 +192,10 @@ GeometryInPartition withoutBricks(std::shared_ptr<const GeometryInPartition> cel
 // The cells of a partition that rays go through, given all of them; null if there are none.
 std::shared_ptr<const GeometryInPartition> seenCells(std::shared_ptr<const GeometryInPartition> cells,
                                                      const CompiledOperator& op, const CompiledScene& scene,
-                                                     OtherScenes others, int partition) {
+                                                     OtherScenes others, int partition,
+                                                     const Advance& advance) {
   const MeshReport& report = op.data.mesh->report;
-  // Where cells overlap, those that are met first hide others, seen or not.
+  // Where cells overlap at a face, those that are met first hide others, seen or not.
   if (report.foldedFaces > 0 || report.crowdedFaces > 0) return cells;
   std::vector<uint32_t> unseen = unseenBricks(op.map, cells->bricks);
   if (unseen.empty()) return cells;
@@ -201,10 +207,10 @@ std::shared_ptr<const GeometryInPartition> seenCells(std::shared_ptr<const Geome
       const auto& made = part->second.geometry;
       if (made->cells == cells && made->unseen == unseen) return made;
     }
-  GeometryInPartition part =
-      withoutBricks(std::move(cells), hasOnlyTetrahedra(*op.data.mesh) ? 4 : 8, std::move(unseen));
-  if (part.primitives == 0) return nullptr;
-  return std::make_shared<const GeometryInPartition>(std::move(part));
+  auto part = withoutBricks(cells, hasOnlyTetrahedra(*op.data.mesh) ? 4 : 8, std::move(unseen), advance);
+  if (!part) return cells;
+  if (part->primitives == 0) return nullptr;
+  return std::make_shared<const GeometryInPartition>(std::move(*part));
 }
 
 // Appends the cells that a surface passes, given the level at each point. It passes a cell if the level is above 0 at some of its
@@ -322,7 +328,8 @@ void planMesh(CompiledOperator& op, CompiledScene& scene, OtherScenes others, co
         planned.geometry = std::make_shared<const GeometryInPartition>(
             cellsOf(block, kernelCellsOnce(), shown, scene.space, partOf(part, 0, 2)));
       if (planned.geometry->cells) planned.geometry = planned.geometry->cells;
-      planned.geometry = seenCells(std::move(planned.geometry), op, scene, others, partition);
+      planned.geometry =
+          seenCells(std::move(planned.geometry), op, scene, others, partition, partOf(part, 0, 2));
     }
     if (!op.isovalues.empty() || !op.slices.empty()) {
       planned.surfaces =

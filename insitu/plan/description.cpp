@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "core/comm/error.h"
 #include "core/comm/wire.h"
@@ -48,11 +49,11 @@ void checkFields(const std::vector<Field>& fields, size_t fewest) {
   if (fields.size() < fewest || fields.size() > kMostFields)
     throw Error(std::to_string(fields.size()) + " fields, expected " + std::to_string(fewest) + " to " +
                 std::to_string(kMostFields));
-  std::set<std::string> names;
+  std::set<std::pair<std::string, bool>> names;
   for (const Field& f : fields) {
     checkName(f.name, "field");
-    if (!names.insert(f.name).second && f.name != kGhostArray)  // which points and cells may have
-      throw Error("field \"" + f.name + "\" is there twice");
+    const bool marksCells = f.name == kGhostArray && f.ofCells;  // points may have it, too
+    if (!names.emplace(f.name, marksCells).second) throw Error("field \"" + f.name + "\" is there twice");
     if (f.type > ScalarType::Float64)
       throw Error("field \"" + f.name + "\": type " + std::to_string(int(f.type)) + ", expected 0 to 9");
     if (f.components < 1 || f.components > kMostComponents)

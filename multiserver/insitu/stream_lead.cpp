@@ -448,7 +448,10 @@ StepValues StreamLead::valuesOf(const std::string& field) const {
   const Range range = dataset->range();
   int64_t noData = 0;
   if (dataset->volume) noData = dataset->volume->noDataSamples;
-  if (dataset->mesh) noData = int64_t(dataset->mesh->report.noDataPoints);
+  if (dataset->mesh) {
+    const MeshReport& report = dataset->mesh->report;
+    noData = int64_t(dataset->mesh->ofCells ? report.noDataCells : report.noDataPoints);
+  }
   return {range.min, range.max, noData};
 }
 

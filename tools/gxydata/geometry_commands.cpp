@@ -158,7 +158,7 @@ void printMesh(const Options& options) {
     std::printf("  %-20s %" PRIu64 "\n", "points", mesh->report.points);
     for (const auto& [name, count] : namedCounts(mesh->report))
       std::printf("  %-20s %" PRIu64 "\n", name, count);
-  } catch (const Error& e) {
+  } catch (const std::exception& e) {  // too large for the memory, too
     std::printf("as a volume not possible: %s\n", e.what());
   }
 }
