@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <set>
 
 #include "core/comm/error.h"
 #include "core/io/file.h"
 #include "core/io/import_geometry.h"
+#include "core/io/import_mesh.h"
+#include "core/io/mesh_file.h"
 #include "core/io/volume_file.h"
 #include "core/look/loaded_facts.h"
 
@@ -85,6 +88,19 @@ LookFacts factsOfGeometry(const std::string& path, const std::string& array, con
   return facts;
 }
 
+LookFacts factsOfMesh(const std::string& path, const std::string& array, const TakeMemory& toTake) {
+  SingleRank alone;
+  std::vector<std::string> warnings;  // as above
+  LoadedMesh loaded = loadMesh(path, array, alone, toTake, &warnings);
+  const Partitioning whole = Partitioning::single(loaded.box);
+  const std::shared_ptr<const Mesh> mesh = meshOf(std::move(loaded), whole, alone, toTake, &warnings);
+  LookFacts facts;
+  facts.dataset.type = DatasetType::Volume;
+  facts.data = factsOf(*mesh);
+  facts.values = sampleOf(*mesh, whole);
+  return facts;
+}
+
 }  // namespace
 
 bool valuesCount(const std::string& path, const std::string& array) {
@@ -104,9 +120,12 @@ std::pair<std::string, GeometrySummary> tellingPiece(const std::string& path, co
   return *best;
 }
 
-LookFacts factsOfFile(const std::string& path, const std::string& array, const TakeMemory& toTake) {
-  LookFacts facts =
-      isVolumeFile(path) ? factsOfVolume(path, array, toTake) : factsOfGeometry(path, array, toTake);
+LookFacts factsOfFile(const std::string& path, const std::string& array, bool inside,
+                      const TakeMemory& toTake) {
+  LookFacts facts = isVolumeFile(path) ? factsOfVolume(path, array, toTake)
+                    : inside && isMeshFile(path) && tellingPiece(path, toTake).second.solids > 0
+                        ? factsOfMesh(path, array, toTake)
+                        : factsOfGeometry(path, array, toTake);
   facts.dataset.name = std::filesystem::path(path).stem().string();
   facts.dataset.filename = path;
   facts.dataset.array = array;
@@ -114,11 +133,12 @@ LookFacts factsOfFile(const std::string& path, const std::string& array, const T
   return facts;
 }
 
-std::vector<LookFacts> factsOfFiles(std::span<const std::string> paths, const std::string& array) {
+std::vector<LookFacts> factsOfFiles(std::span<const std::string> paths, const std::string& array,
+                                    bool inside) {
   std::vector<LookFacts> all;
   std::set<std::string> names;
   for (const std::string& path : paths) {
-    LookFacts facts = factsOfFile(path, array);
+    LookFacts facts = factsOfFile(path, array, inside);
     const std::string name = facts.dataset.name;
     for (int n = 2; !names.insert(facts.dataset.name).second; n++)
       facts.dataset.name = name + "-" + std::to_string(n);

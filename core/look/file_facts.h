@@ -12,13 +12,15 @@
 namespace gxy {
 
 /// Reads the facts of a file. Of a volume it reads all samples if they have at most 256 MiB, and otherwise
-/// some layers; of geometry it reads the whole file. `array` is as in a state file. The dataset is named
-/// after the file. `toTake`, if not empty, is called with the number of bytes before memory for them is
+/// some layers; of geometry and unstructured volumes it reads the whole file. `array` is as in a state file. The dataset is named
+/// after the file. `inside`: cells with a volume are an unstructured volume; else they are triangles, their outer surface. `toTake`, if not empty, is called with the number of bytes before memory for them is
 /// taken. Throws Error if this is not a data file.
-LookFacts factsOfFile(const std::string& path, const std::string& array = {}, const TakeMemory& toTake = {});
+LookFacts factsOfFile(const std::string& path, const std::string& array = {}, bool inside = false,
+                      const TakeMemory& toTake = {});
 
 /// The same for several files; each dataset gets a different name.
-std::vector<LookFacts> factsOfFiles(std::span<const std::string> paths, const std::string& array = {});
+std::vector<LookFacts> factsOfFiles(std::span<const std::string> paths, const std::string& array = {},
+                                    bool inside = false);
 
 /// Whether a first look colours a geometry file by its values. `array` is as in a state file. The values of a
 /// .ply file, such as the confidence that scanners write, are shown only if `array` names them.

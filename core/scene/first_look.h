@@ -30,6 +30,9 @@ struct LookOptions {
   std::vector<double> isovalues;  ///< show isosurfaces of volumes at these values instead
   bool autoIsovalue = false;      ///< show the isosurface at firstIsovalue() instead
   bool slice = false;             ///< show the three slices through the middle instead
+
+  /// Whether surfaces inside of volumes are to be shown.
+  bool looksInside() const { return !isovalues.empty() || autoIsovalue || slice; }
 };
 
 /// Returns a state with the datasets, one visualization and one camera. Equal facts give equal states.

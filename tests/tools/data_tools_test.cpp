@@ -290,6 +290,10 @@ TEST_F(DataTools, MakesCellsOfBothKinds) {
   const std::string hexahedra = readText(at("said"));
   EXPECT_NE(hexahedra.find("  points               64\n  hexahedra            27\n"), std::string::npos)
       << hexahedra;
+  ASSERT_EQ(data("scene h.vtu | tee said"), 0);
+  EXPECT_NE(readText(at("said")).find("\"type\": \"Triangles\""), std::string::npos) << "the outer surface";
+  ASSERT_EQ(data("scene h.vtu --iso 0.5 | tee said"), 0);
+  EXPECT_NE(readText(at("said")).find("\"type\": \"Volume\""), std::string::npos) << "what is inside";
   EXPECT_EQ(data("turbulence --cells tetrahedra n.vol"), 1);
   EXPECT_NE(saidBy("turbulence --cells tetrahedra n.vol").find("expected a .vtu"), std::string::npos);
   EXPECT_EQ(data("turbulence -r 5,1,5 n.vtu"), 1);

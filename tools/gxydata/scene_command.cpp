@@ -16,7 +16,8 @@ void printScene(const Options& options) {
   if (steps.size() > 1)
     std::fprintf(stderr, "gxydata: of %zu steps the first is used, since a state file shows one\n",
                  steps.size());
-  const std::string text = writeState(firstLook(factsOfFiles(steps[0].files, options.array), options.look));
+  const std::string text = writeState(
+      firstLook(factsOfFiles(steps[0].files, options.array, options.look.looksInside()), options.look));
   std::fputs(text.c_str(), stdout);
   if (std::fflush(stdout) != 0) throw Error("standard output: cannot be written");
 }

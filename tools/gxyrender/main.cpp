@@ -98,9 +98,11 @@ nlohmann::json readAlone(const RenderOptions& options) {
   nlohmann::json steps;
   for (const TimeStep& step : series)
     steps.push_back({{"files", step.files}, {"time", step.time ? nlohmann::json(*step.time) : nullptr}});
-  return {{"state", writeState(firstLook(factsOfFiles(series[0].files, options.array), options.look))},
-          {"steps", steps},
-          {"directory", std::filesystem::current_path().string()}};
+  return {
+      {"state", writeState(firstLook(factsOfFiles(series[0].files, options.array, options.look.looksInside()),
+                                     options.look))},
+      {"steps", steps},
+      {"directory", std::filesystem::current_path().string()}};
 }
 
 // Read by rank 0, with its map and camera files; the same on all ranks.

@@ -140,7 +140,7 @@ Look FirstLooks::look(Request& request, const std::vector<std::string>& names, c
     if (serverRank_.datasets->find(tenant, called)) return all.push_back(factsOf(tenant, called));
     const ReadWatch watch([&] { request.check(); });
     std::vector<LedgerEntry> reading;
-    LookFacts facts = factsOfFile(file, array, [&](int64_t bytes) {
+    LookFacts facts = factsOfFile(file, array, options.looksInside(), [&](int64_t bytes) {
       reading.push_back(serverRank_.takeMemory(tenant, "first look", bytes));
     });
     facts.dataset.name = called;
