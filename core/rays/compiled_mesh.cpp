@@ -20,8 +20,7 @@ namespace gxy {
 
 namespace {
 
-// Bricks are left out if one in so many is not seen, unless that leaves a new face of the shell for so few cells.
-constexpr size_t kWorthLeavingOut = 16, kCellsPerFace = 8;
+constexpr size_t kWorthLeavingOut = 16;  // one brick in so many must not be seen
 
 // The number of cells in a brick.
 size_t brickSize(uint32_t corners) {
@@ -162,8 +161,8 @@ std::vector<uint32_t> unseenBricks(const CompiledMap& map, const std::vector<Ran
   return unseen;
 }
 
-// The cells without the bricks that are not seen: what rays meet first is then the faces between these and others. Returns nothing if these
-// faces are too many.
+// The cells without the bricks that are not seen: what rays meet first is then the faces between these and others. Returns nothing if there
+// are more such faces than cells left out.
 std::optional<GeometryInPartition> withoutBricks(std::shared_ptr<const GeometryInPartition> cells,
                                                  uint32_t corners, std::vector<uint32_t> unseen,
                                                  const Advance& advance) {
@@ -172,10 +171,13 @@ std::optional<GeometryInPartition> withoutBricks(std::shared_ptr<const GeometryI
   const auto hasUnseen = [&](FaceId face) { return isUnseen(unseen, cellOf(face) / size); };
   std::copy_if(cells->shell.begin(), cells->shell.end(), std::back_inserter(part.shell),
                [&](FaceId face) { return !hasUnseen(face); });
-  const size_t count = cells->neighbours.size() / sides, most = part.shell.size() + count / kCellsPerFace;
+  const size_t count = cells->neighbours.size() / sides, shell = part.shell.size();
+  size_t leftOut = 0;
+  for (size_t brick = 0; brick < cells->bricks.size(); brick++)
+    if (isUnseen(unseen, brick)) leftOut += std::min(size, count - brick * size);
   for (size_t brick = 0; brick < cells->bricks.size(); brick++) {
     if (isUnseen(unseen, brick)) continue;
-    if (part.shell.size() > most) return std::nullopt;
+    if (part.shell.size() > shell + leftOut) return std::nullopt;
     if (brick % 64 == 0) tell(advance, brick, cells->bricks.size());
     for (size_t cell = brick * size; cell < std::min((brick + 1) * size, count); cell++)
       for (size_t side = 0; side < sides; side++) {

@@ -107,7 +107,7 @@ TEST_F(Gxybench, QuickMeasuresEverySceneWithinItsTolerance) {
       EXPECT_LE(r.dtRms, 1e-4) << name;
     }
   }
-  EXPECT_EQ(methods.size(), 9u);
+  EXPECT_EQ(methods.size(), 11u);
   const std::string page = textOf(out("index.html"));
   for (const auto& [scene, used] : methods) {
     EXPECT_EQ(used.size() == 3, used.count("fixed") == 1) << scene;

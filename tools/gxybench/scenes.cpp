@@ -239,8 +239,8 @@ std::vector<Scene> fixedScenes(bool quick) {
             maker.volume(turbulent, n, kNearlyOpaque, "opaque after a cell"),
             maker.volume(smooth, n, kStepped, "a field of long waves under a staircase"),
             maker.volume(sparse, n, kSpiky, "mostly empty, under two narrow peaks"),
-            maker.cells("tetrahedra", turbulent, 9, kSmooth, "noise in tetrahedra under a ramp"),
-            maker.cells("hexahedra", turbulent, 9, kSpiky, "noise in bent hexahedra under two peaks"),
+            maker.cells("tetrahedra", turbulent, 9, kSpiky, "noise in tetrahedra under two peaks"),
+            maker.cells("hexahedra", turbulent, 9, kSmooth, "noise in bent hexahedra under a ramp"),
             maker.spheres(),
             maker.mesh(),
             maker.mixed()};

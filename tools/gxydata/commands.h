@@ -31,7 +31,7 @@ struct Options {
 /// Samples fields on [-1, 1]^3: all of them into a .vti, one into a .vol or .json, or into a .vtu as makeCells() does.
 void makeVolume(const std::vector<Field>& fields, const Options& options);
 
-/// Samples a field at the points of a mesh of cells that fills about [-1, 1]^3, and writes it into a .vtu. `displacement`: how far points are
+/// Samples a field at the points of a mesh of cells that fills [-1, 1]^3, and writes it into a .vtu. `displacement`: how far points inside are
 /// moved at most, so that faces are bent.
 void makeCells(const Field& field, const Options& options);
 

@@ -132,7 +132,7 @@ void addResolution(CLI::App* command, Options& options, std::string& text, const
       ->capture_default_str();
   command
       ->add_option("--displacement", options.displacement,
-                   "of a .vtu: how far points are moved, so that cells are bent")
+                   "of a .vtu: how far points inside are moved, so that cells are bent")
       ->check(CLI::Range(0.0, 0.2))
       ->capture_default_str();
   command->callback([&options, &text, standard] {

@@ -16,11 +16,13 @@ namespace {
 using std::numbers::pi;
 constexpr uint8_t kVtkTetrahedron = 10, kVtkHexahedron = 12;
 
-/// Moves a point of [-1, 1]^3 by up to `far` along each axis, so that faces of cells are not flat.
+/// Moves a point inside [-1, 1]^3 by up to `far` along each axis, so that faces of cells are not flat. Points of the border stay.
 glm::dvec3 bent(glm::dvec3 p, double far) {
-  return p + far * glm::dvec3(std::sin(pi * p.y) * std::cos(0.7 * pi * p.z),
-                              std::sin(pi * p.z + 0.4) * std::cos(0.6 * pi * p.x),
-                              std::sin(pi * p.x - 0.3) * std::cos(0.8 * pi * p.y));
+  const double inside = (1 - p.x * p.x) * (1 - p.y * p.y) * (1 - p.z * p.z);
+  return p + far * inside *
+                 glm::dvec3(std::sin(pi * p.y) * std::cos(0.7 * pi * p.z),
+                            std::sin(pi * p.z + 0.4) * std::cos(0.6 * pi * p.x),
+                            std::sin(pi * p.x - 0.3) * std::cos(0.8 * pi * p.y));
 }
 
 /// The cells of a grid of so many points: hexahedra, or six tetrahedra around a diagonal of each.
