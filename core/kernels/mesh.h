@@ -2,8 +2,9 @@
 // The march through an unstructured volume: a walk from face to face (face.h) that integrates the cells which belong to this
 // partition.
 //
-// The shell of a partition's cells are the faces that have no neighbour there: the boundary of the mesh, faces behind which all
-// cells are those of other partitions, and faces between bricks that are seen and others. A walk begins at a face of the shell and ends at another one. A ray takes the faces of the shell
+// The shell of a partition's cells are the faces that have no neighbour there: the boundary of the mesh, and faces behind which all
+// cells are those of other partitions. Where rays leave out bricks of cells, the faces between these and other cells are shell, too.
+// A walk begins at a face of the shell and ends at another one. A ray takes the faces of the shell
 // that it passes in the order of t and of their numbers, and begins a walk at each of them, except where the walk before has ended. The
 // t of the march never goes back: a cell counts from the largest t so far to its own end. So a walk that begins at the wrong end of its
 // way adds nothing, and it does not matter which way round the points of a cell are. A cell belongs to the partition in which the
@@ -15,8 +16,8 @@
 //   uint cellCorner(op, i)      corner i % 4 of tetrahedron i / 4; the corners of a tetrahedron ascend
 //   uint cellNeighbour(op, i)   what lies behind the face opposite that corner: the face (cell << 3 | corner) of another cell, or NO_FACE
 //   uint shellFace(op, i)       face i of the shell (cell << 3 | corner)
-//   bool leavesOutBricks(op)    whether there are bricks of which the map shows nothing; they are not part of the mesh then
-//   uint unseenWord(op, i)      bits of 32 bricks, set for such
+//   bool leavesOutBricks(op)    whether rays leave out bricks of cells, of which the map shows nothing
+//   uint unseenWord(op, i)      a bit for each of the bricks 32 i to 32 i + 31, set where rays leave the brick out
 //   bool hasValues(op)          whether cells have values of their own. Those whose value is not finite are not seen
 //   real cellValue(op, i)       the value of cell i
 
@@ -68,7 +69,7 @@ FN bool beginsBehind(ShellPlace last, real t, uint number, uint face) {
   return (t > last.t || (t == last.t && number > last.number)) && face != last.ended;
 }
 
-// What lies behind a face as rays go: `face`, or NO_FACE if its cell is in a brick that is not seen.
+// Returns `face`, the face of a neighbour, or NO_FACE if that neighbour is in a brick that rays leave out. `bits`: a brick has 2^bits cells.
 FN uint seenNeighbour(OPERATOR op, uint face, uint bits) {
   uint seen = face;
   if (leavesOutBricks(op) && face != NO_FACE) {

@@ -12,7 +12,7 @@
 #define KIND_HEX_MESH 6
 #define KIND_HEX_SHELL 7
 
-// Cells of a mesh with numbers in a row are near to each other, and make a brick: this many bits of numbers.
+// Cells of a mesh whose numbers follow each other are near to each other. A brick has 2^9 tetrahedra or 2^6 hexahedra with such numbers.
 #define TETRAHEDRA_IN_BRICK 9
 #define HEXAHEDRA_IN_BRICK 6
 

@@ -90,7 +90,7 @@ LookFacts factsOfGeometry(const std::string& path, const std::string& array, con
 
 LookFacts factsOfMesh(const std::string& path, const std::string& array, const TakeMemory& toTake) {
   SingleRank alone;
-  std::vector<std::string> warnings;  // as above
+  std::vector<std::string> warnings;  // They are shown when the file is loaded.
   LoadedMesh loaded = loadMesh(path, array, alone, toTake, &warnings);
   const Partitioning whole = Partitioning::single(loaded.box);
   const std::shared_ptr<const Mesh> mesh = meshOf(std::move(loaded), whole, alone, toTake, &warnings);
