@@ -28,8 +28,10 @@ bool launched() {
 
 /// Sets variables of Open MPI and hwloc while MPI is initialised in a process that no launcher started, which
 /// therefore is a job of one rank. Without them Open MPI would start a daemon and load modules that move data
-/// between processes, and hwloc would look for displays and GPUs. Variables that the user has set stay as
-/// they are. The destructor removes the others, so that programs that this one starts do not see them.
+/// between processes, and hwloc would look for displays and GPUs. Open MPI would also make a directory that
+/// has the same name for every such process, and first remove what it finds there, so that processes which
+/// start at the same time fail. Variables that the user has set stay as they are. The destructor removes the
+/// others, so that programs that this one starts do not see them.
 class SettingsOfOneRank {
  public:
   SettingsOfOneRank() {
@@ -42,6 +44,7 @@ class SettingsOfOneRank {
              {"OMPI_MCA_coll", "basic,inter,libnbc,self"},
              {"OMPI_MCA_osc", "^monitoring,pt2pt,rdma,sm,ucx"},
              {"OMPI_MCA_schizo", "ompi,orte"},
+             {"OMPI_MCA_orte_create_session_dirs", "0"},
              {"HWLOC_PLUGINS_PATH", "/dev/null"}}) {
       if (std::getenv(name)) continue;
       setenv(name, value, 1);

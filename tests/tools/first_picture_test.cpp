@@ -365,6 +365,17 @@ TEST_F(FirstPicture, AnnotatedPicturesOfACollectionHaveTheirStepsAndTimes) {
   EXPECT_NE(call("cmp -s p_00000.raw p_00001.raw"), 0);
 }
 
+// Programs that start at the same time would meet in Open MPI's directory, below the one of temporary files.
+TEST_F(FirstPicture, NeedsNoDirectoryThatProgramsShare) {
+  ASSERT_EQ(call(GXYDATA " helix -r 1 g.vtp"), 0);
+  const Pixels pixels = render("g.vtp");
+  ASSERT_FALSE(pixels.rgba.empty());
+  setenv("TMPDIR", "/dev/null/none", 1);
+  const Pixels without = render("g.vtp");
+  unsetenv("TMPDIR");
+  EXPECT_EQ(without.rgba, pixels.rgba);
+}
+
 TEST_F(FirstPicture, WhatCannotBeShownIsOneErrorAndStatus1) {
   std::ofstream(folder_.path() / "n.json") << R"({"a": 1})";
   std::ofstream(folder_.path() / "s.json") << R"({"Visualization": {"operators": []}})";
