@@ -85,11 +85,11 @@ void main() {
   ivec4 sum = ivec4(0);
   int rayCount = f.lights + max(s.occlusionRays, 1);
   for (int q = 0; q < rayCount; q++) {
-    LightTerm term = lightTermOf(s, f, q, surface, from, toEye, color, weight, GIVEN(pixel), RAY_SAMPLE_NUMBER(GIVEN(info)));
+    LightTerm term = lightTermOf(s, f, q, surface, from, toEye, color, opacity, weight, GIVEN(pixel), RAY_SAMPLE_NUMBER(GIVEN(info)));
     limitLightTerm(term, sum.x, sum.y, sum.z);
     sum += ivec4(term.r, term.g, term.b, 0);
     if ((SURFACES & SURFACE_CASTS) != 0 && term.wanted)
-      addSecondary(s, term, q < f.lights ? RAY_SHADOW : RAY_OCCLUSION, from, surface.start, start);
+      addSecondary(s, term, q < f.lights ? RAY_SHADOW : RAY_OCCLUSION, startOf(term, surface, from), startBitsOf(term, surface), start);
   }
   deposit(GIVEN(pixel), sum);
   endStage();

@@ -67,22 +67,25 @@ EXPORT uniform int shadeHits(const void* uniform scene, const void* uniform fram
     r.A[i] = opacityBehind(r.A[i], opacity);
     vec3 toEye = make_v3(-d.x, -d.y, -d.z);
     vec3 from = offsetOrigin(surface.point, surface.geometric, surface.size);
-    unsigned int startBits = (surface.start & (START_ISOSURFACE | START_SLICE) << 18) | (surface.start & (1 << 20));
     unsigned int start = ((unsigned int)hitOperator << 16) | r.hitPrimitive[i];
 
     uniform int rayCount = f.lights + max(s.occlusionRays, 1);
     for (uniform int q = 0; q < rayCount; q++) {
-      LightTerm term = lightTermOf(s, f, q, surface, from, toEye, color, weight, r.pixel[i], RAY_SAMPLE_NUMBER(r.info[i]));
+      LightTerm term = lightTermOf(s, f, q, surface, from, toEye, color, opacity, weight, r.pixel[i],
+                                   RAY_SAMPLE_NUMBER(r.info[i]));
       limitLightTerm(term, sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]);
       depositLightTerm(sum, k, term);
       uniform int kind = q < f.lights ? RAY_SHADOW : RAY_OCCLUSION;
       if (term.wanted) {
+        vec3 origin = startOf(term, surface, from);
+        unsigned int bits = startBitsOf(term, surface);
+        unsigned int startBits = (bits & (START_ISOSURFACE | START_SLICE) << 18) | (bits & (1 << 20));
         packed_store_active(w.pixel + made, r.pixel[i]);
         packed_store_active(w.info + made, RAY_SAMPLE_NUMBER(r.info[i]) | ((unsigned int)kind << 16) | startBits);
         packed_store_active(w.start + made, start);
-        packed_store_active((uniform int* uniform)(w.ox + made), intbits(from.x));
-        packed_store_active((uniform int* uniform)(w.oy + made), intbits(from.y));
-        packed_store_active((uniform int* uniform)(w.oz + made), intbits(from.z));
+        packed_store_active((uniform int* uniform)(w.ox + made), intbits(origin.x));
+        packed_store_active((uniform int* uniform)(w.oy + made), intbits(origin.y));
+        packed_store_active((uniform int* uniform)(w.oz + made), intbits(origin.z));
         packed_store_active((uniform int* uniform)(w.dx + made), intbits(term.toward.x));
         packed_store_active((uniform int* uniform)(w.dy + made), intbits(term.toward.y));
         packed_store_active((uniform int* uniform)(w.dz + made), intbits(term.toward.z));

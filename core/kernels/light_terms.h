@@ -13,10 +13,25 @@ struct LightTerm {
   bool wanted;  // a secondary ray must find out whether it is blocked
   vec3 toward;  // direction of the secondary ray
   real reach;   // where the secondary ray ends (tMax)
+  bool behind;  // it starts on the other side of the surface
 };
 
+// Where the secondary ray of a term starts: on the side of the surface to which it goes.
+FN vec3 startOf(LightTerm term, Surface surface, vec3 from) {
+  vec3 behind = make_v3(-surface.geometric.x, -surface.geometric.y, -surface.geometric.z);
+  vec3 start = from;
+  if (term.behind) start = offsetOrigin(surface.point, behind, surface.size);
+  return start;
+}
+// Its RAY_START and RAY_SIDE bits.
+FN uint startBitsOf(LightTerm term, Surface surface) {
+  return term.behind && surface.start != 0u ? surface.start ^ (1u << 20) : surface.start;
+}
+
+// `opacity` is that of the surface, `weight` what is seen of it. Where the shading normal is not that of the surface, a secondary ray may go
+// to its other side. Then the surface itself hides light, and an opaque one needs no ray.
 FN LightTerm lightTermOf(SCENE s, FRAME f, UNIFORM int q, Surface surface, vec3 from, vec3 toEye, vec3 color,
-                         real weight, uint pixel, uint sampleIndex) {
+                         real opacity, real weight, uint pixel, uint sampleIndex) {
   LightTerm term;
   term.toward = surface.normal;
   term.reach = NO_HIT;
@@ -31,10 +46,12 @@ FN LightTerm lightTermOf(SCENE s, FRAME f, UNIFORM int q, Surface surface, vec3 
       term.toward = make_v3(l.x * inverse1, l.y * inverse1, l.z * inverse1);
       term.reach = distance1;
     }
-    real diffuse = s.diffuse * lambert(surface.normal, term.toward) * weight;
+    term.behind = s.shadows != 0 && dot3(surface.geometric, term.toward) < R(0.0);
+    real seen = term.behind ? weight * (R(1.0) - opacity) : weight;
+    real diffuse = s.diffuse * lambert(surface.normal, term.toward) * seen;
     real specular = R(0.0);
     if (s.specular > R(0.0))
-      specular = s.specular * phong(surface.normal, term.toward, toEye, s.shininess) * weight;
+      specular = s.specular * phong(surface.normal, term.toward, toEye, s.shininess) * seen;
     term.r = units(diffuse * color.x + specular);
     term.g = units(diffuse * color.y + specular);
     term.b = units(diffuse * color.z + specular);
@@ -42,14 +59,17 @@ FN LightTerm lightTermOf(SCENE s, FRAME f, UNIFORM int q, Surface surface, vec3 
     term.wanted = s.shadows != 0 && (term.r | term.g | term.b) != 0;
   } else {
     real ambient = s.ambient * weight;
-    if (s.occlusionRays > 0) ambient = ambient / toReal(s.occlusionRays);
+    term.behind = false;
+    if (s.occlusionRays > 0) {
+      term.toward = occlusionDirection(surface.normal, pixel, sampleIndex, f.frame, toUint(q - f.lights),
+                                       toUint(s.occlusionRays));
+      term.behind = dot3(surface.geometric, term.toward) < R(0.0);
+      ambient = (term.behind ? ambient * (R(1.0) - opacity) : ambient) / toReal(s.occlusionRays);
+    }
     term.r = units(ambient * color.x);
     term.g = units(ambient * color.y);
     term.b = units(ambient * color.z);
     term.wanted = s.occlusionRays > 0 && (term.r | term.g | term.b) != 0;
-    if (term.wanted)
-      term.toward = occlusionDirection(surface.normal, pixel, sampleIndex, f.frame, toUint(q - f.lights),
-                                       toUint(s.occlusionRays));
     term.reach = s.occlusionRadius;
   }
   return term;

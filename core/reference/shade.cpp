@@ -35,6 +35,20 @@ Lights::Lights(const Lighting& lighting, const View& view, AoDirections directio
   }
 }
 
+namespace {
+
+/// The fraction of light that reaches a surface from a direction, from up to `limit`. Where the shading normal is not that of the surface,
+/// the light may come from its other side, and passes it first.
+double lightFrom(const World& world, const SurfaceHit& hit, glm::dvec3 direction, double limit,
+                 double tolerance) {
+  const bool isBehind = glm::dot(hit.geometric, direction) < 0;
+  const glm::dvec3 start = hit.position + (isBehind ? -hit.slack : hit.slack) * hit.geometric;
+  const double passed = isBehind ? 1 - hit.opacity : 1;
+  return passed > 0 ? passed * world.transmittance({start, direction}, limit, tolerance) : 0;
+}
+
+}  // namespace
+
 double Lights::openSky(const World& world, const SurfaceHit& hit, AoRequest request) const {
   if (lighting_.aoCount <= 0) return 1;
   request.position = hit.position;
@@ -42,16 +56,12 @@ double Lights::openSky(const World& world, const SurfaceHit& hit, AoRequest requ
   const auto directions = directions_(request);
   if (directions.empty()) return 1;
   double open = 0;
-  for (const glm::dvec3& d : directions) {
-    open +=
-        world.transmittance({hit.position + hit.slack * hit.geometric, d}, lighting_.aoRadius, tolerance_);
-  }
+  for (const glm::dvec3& d : directions) open += lightFrom(world, hit, d, lighting_.aoRadius, tolerance_);
   return open / double(directions.size());
 }
 
 glm::dvec3 Lights::shade(const World& world, const Ray& ray, const SurfaceHit& hit, AoRequest request) const {
   glm::dvec3 lit = lighting_.Ka * hit.colour * openSky(world, hit, request);
-  const glm::dvec3 start = hit.position + hit.slack * hit.geometric;
   for (const Placed& light : placed_) {
     const glm::dvec3 path = light.directional ? light.v : light.v - hit.position;
     const double distance = glm::length(path);
@@ -65,7 +75,7 @@ glm::dvec3 Lights::shade(const World& world, const Ray& ray, const SurfaceHit& h
     glm::dvec3 share = lighting_.Kd / n * cosine * hit.colour;
     if (lighting_.Ks > 0) share += glm::dvec3(lighting_.Ks / n * std::pow(mirror, lighting_.shininess));
     if (lighting_.shadows)
-      share *= world.transmittance({start, l}, light.directional ? kInfinity : distance, tolerance_);
+      share *= lightFrom(world, hit, l, light.directional ? kInfinity : distance, tolerance_);
     lit += share;
   }
   return lit;

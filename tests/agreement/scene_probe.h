@@ -184,12 +184,15 @@ FN real probeSurface(SCENE s, FRAME f, OPERATOR op, VOLUME v, int p, vec3 o, vec
   vec3 toward = toEye;
   real reach = R(0.0);
   for (UNIFORM int q = 0; q < f.lights + max(s.occlusionRays, 1); q++) {
-    LightTerm term = lightTermOf(s, f, q, seen, from, toEye, color, weight, i, i & 7u);
+    LightTerm term = lightTermOf(s, f, q, seen, from, toEye, color, op.opacity, weight, i, i & 7u);
     limitLightTerm(term, r, g, b);
     r += term.r;
     g += term.g;
     b += term.b;
-    toward = make_v3(toward.x + term.toward.x, toward.y + term.toward.y, toward.z + term.toward.z);
+    vec3 origin = startOf(term, seen, from);
+    toward = make_v3(toward.x + origin.y + toReal(term.behind ? 1 : 0) +
+                         toReal(asInt(startBitsOf(term, seen) >> 16u)) + term.toward.x,
+                     toward.y + term.toward.y, toward.z + term.toward.z);
     reach = term.wanted ? term.reach : reach;
   }
   if (p == 31) return toReal(r);
