@@ -19,7 +19,7 @@ const Box kCubeOfCells{{0, 0, 0}, {1, 1, 1}};
 
 // Cells of all types, some of them twice with points of their own, and one with a point twice.
 MeshPiece flawedMesh() {
-  MeshPiece mesh = test::cubeOfAllCells(
+  MeshPiece mesh = test::cubeOfMixedCells(
       3, [](const glm::dvec3& p) { return 0.02 * glm::dvec3(p.y, p.z, p.x); },
       [](const glm::dvec3&) { return 0; });
   auto& hexahedra = mesh.cells.points[size_t(CellType::Hexahedron)];

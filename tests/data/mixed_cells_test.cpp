@@ -31,7 +31,7 @@ using Corners = std::vector<std::array<double, 3>>;  // of a cell, in its order
 const Box kUnitBox{{0, 0, 0}, {1, 1, 1}};
 
 MeshPiece warpedCells(uint32_t n) {
-  return test::cubeOfAllCells(
+  return test::cubeOfMixedCells(
       n, [](const glm::dvec3& p) { return 0.03 * glm::dvec3(std::sin(9 * p.y), std::sin(7 * p.z), p.x); },
       [](const glm::dvec3& p) { return p.x + 2 * p.y + 4 * p.z; });
 }
@@ -91,7 +91,7 @@ MeshBlock blockOf(const MeshPiece& mesh, MeshBlockCounts& counts) {
 
 TEST(MixedCells, FillACubeWithoutGaps) {
   const auto still = [](const glm::dvec3&) { return glm::dvec3(0); };
-  const MeshPiece mesh = test::cubeOfAllCells(4, still, [](const glm::dvec3& p) { return p.x; });
+  const MeshPiece mesh = test::cubeOfMixedCells(4, still, [](const glm::dvec3& p) { return p.x; });
   for (const CellType type : kAllCellTypes) EXPECT_GT(mesh.cells.size(type), 3u) << int(type);
   MeshBlockCounts counts;
   const MeshBlock block = blockOf(mesh, counts);

@@ -116,7 +116,7 @@ class MiniVolume {
   std::vector<RankVolume> shares() {
     Random moves(settings_.seed + 1);
     const double far = moved / double(settings_.cubes);
-    const MeshPiece mesh = cubeOfAllCells(
+    const MeshPiece mesh = cubeOfMixedCells(
         settings_.cubes,
         [&](const glm::dvec3& p) {
           glm::dvec3 by(0);

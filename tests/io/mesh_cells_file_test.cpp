@@ -19,7 +19,7 @@ using test::Imported;
 using testing::TemporaryFolder;
 
 MeshPiece allCells(uint32_t n = 3) {
-  return test::cubeOfAllCells(
+  return test::cubeOfMixedCells(
       n, [](const glm::dvec3& p) { return 0.02 * glm::dvec3(p.y * p.z, p.x, -p.x * p.y); },
       [](const glm::dvec3& p) { return 1 + p.x - 2 * p.y + 4 * p.z; });
 }

@@ -116,7 +116,7 @@ TEST(Fetch, AVolumeComesAsItIsStored) {
 }
 
 TEST(Fetch, AnUnstructuredVolumeComesWithEachCellOnce) {
-  const MeshPiece mesh = cubeOfAllCells(
+  const MeshPiece mesh = cubeOfMixedCells(
       4, [](const glm::dvec3& p) { return 0.02 * glm::dvec3(p.y, p.z, p.x); },
       [](const glm::dvec3& p) { return p.x + p.y * p.z; });
   const auto placesOf = [](const auto& points, const auto& corners) {

@@ -137,7 +137,7 @@ TEST(MeshData, MeshesAreCutAsWhatTheyAreImportedWith) {
 }
 
 TEST(MeshData, CellsOfAllTypesAreCountedByType) {
-  const MeshPiece mesh = cubeOfAllCells(
+  const MeshPiece mesh = cubeOfMixedCells(
       3, [](const glm::dvec3&) { return glm::dvec3(0); }, [](const glm::dvec3& p) { return p.x; });
   for (const int ranks : {1, 3}) {
     MeshServer server(ranks);
@@ -199,7 +199,7 @@ bool areSame(const std::vector<float>& a, const std::vector<float>& b) {
 
 /// Two pieces that have cells in common, of all types, with values of points and cells, some of which are none.
 void writeOverlapping(MeshServer& server) {
-  const MeshPiece mesh = cubeOfAllCells(
+  const MeshPiece mesh = cubeOfMixedCells(
       3, [](const glm::dvec3& p) { return 0.02 * glm::dvec3(p.y, p.z, p.x); },
       [](const glm::dvec3& p) { return p.x * p.y + p.z; });
   const size_t n = mesh.cells.size();

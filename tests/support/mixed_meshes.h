@@ -20,7 +20,7 @@ inline void addCell(MeshPiece& mesh, CellType type, std::initializer_list<uint32
 /// tops in the middle; of pyramids with their base at x = 0 each is two tetrahedra. All cells conform. move(p) is added to point p;
 /// value(q) is the stored value at the point where it is then. From n = 2 on there are cells of all types.
 template <class Move, class Value>
-MeshPiece cubeOfAllCells(uint32_t n, Move&& move, Value&& value) {
+MeshPiece cubeOfMixedCells(uint32_t n, Move&& move, Value&& value) {
   MeshPiece mesh;
   const uint32_t m = n + 1;
   const auto addPoint = [&](const glm::dvec3& p) {

@@ -21,7 +21,7 @@ constexpr uint32_t kCubes = 6;
 
 MeshPiece meshAt(int step) {
   const double far = step < 3 ? 0.02 : 0.05;
-  return cubeOfAllCells(
+  return cubeOfMixedCells(
       kCubes, [&](const glm::dvec3& p) { return far * p * (1.0 - p) * glm::dvec3(p.y, p.z, p.x); },
       [&](const glm::dvec3& p) { return p.x * p.x + 0.5 * p.y * double(step) + p.z; });
 }
