@@ -98,6 +98,12 @@ vec4 hexLevel(OPERATOR op, uint p, int k) { return uintBitsToFloat(geometryQuad(
 float hexValue(OPERATOR op, uint p, int k) { return geometryReal(op.levelValues + 8u * p + uint(k)); }
 uint levelOrders(OPERATOR op, uint p) { return geometryWord(op.levelOrders + p); }
 uint surfaceOf(OPERATOR op, uint p) { return geometryWord(op.surfaces + p); }
+bool hasGradients(OPERATOR op) { return op.levelPoints != 0u; }
+uint levelPoint(OPERATOR op, uint i) { return geometryWord(op.levelPoints + i); }
+vec3 levelGradient(OPERATOR op, uint i) {
+  uint k = op.levelGradients + 3u * i;
+  return vec3(geometryReal(k), geometryReal(k + 1u), geometryReal(k + 2u));
+}
 vec3 sliceNormal(OPERATOR op, uint i) {
   uint k = op.slice + 4u * i;
   return vec3(tableReal(k), tableReal(k + 1u), tableReal(k + 2u));

@@ -197,6 +197,8 @@ class Uploading {
         view.surfaceCells = at.surfaceCells;
         view.levelCorners = at.levelCorners;
         view.levelValues = at.levelValues;
+        view.levelGradients = at.levelGradients;
+        view.levelPoints = at.levelPoints;
         view.levelOrders = at.levelOrders;
         view.surfaces = at.surfaces;
         view.shellHierarchy = at.shellHierarchy;

@@ -91,6 +91,20 @@ int64_t bytesOfValues(const Mesh& mesh) {
   return int64_t(bytes);
 }
 
+std::vector<float> shownValues(const std::vector<float>& values, int components,
+                               std::optional<int> component) {
+  if (components == 1) return values;
+  const auto each = size_t(components);
+  std::vector<float> shown(values.size() / each);
+  for (size_t i = 0; i < shown.size(); i++) {
+    const float* of = values.data() + i * each;
+    float squares = 0;
+    for (size_t c = 0; c < each; c++) squares += of[c] * of[c];
+    shown[i] = component ? of[size_t(*component)] : std::sqrt(squares);
+  }
+  return shown;
+}
+
 int64_t bytesOf(const Mesh& mesh) {
   size_t bytes = 0;
   for (const auto& [partition, block] : mesh.blocks) {

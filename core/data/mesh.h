@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -141,6 +142,10 @@ bool hasOnlyTetrahedra(const Mesh& mesh);
 /// opacities where a Vis gives none. It depends on `box` and `report` alone, so it is the same on all ranks. It is positive also if the
 /// box is flat or empty.
 double typicalLength(const Mesh& mesh);
+
+/// Returns what is shown of values of several components each: one component, or the magnitude if none is named.
+std::vector<float> shownValues(const std::vector<float>& values, int components,
+                               std::optional<int> component);
 
 /// Memory of the local blocks in bytes, that of arrays which other meshes share included.
 int64_t bytesOf(const Mesh& mesh);

@@ -10,35 +10,11 @@
 #include <limits>
 
 #include "core/comm/parallel_for.h"
+#include "core/data/cells_around.h"
 
 namespace gxy {
 
 namespace {
-
-/// The cells that have each point, in the order of cells.
-struct CellsAround {
-  std::vector<size_t> first;  // by point, and the end of all
-  std::vector<uint32_t> cells;
-
-  CellsAround(const MeshCellsView& all, size_t points) : first(points + 1, 0) {
-    for (const auto& ofType : all.points)
-      for (const uint32_t point : ofType) first[point + 1]++;
-    for (size_t p = 0; p < points; p++) first[p + 1] += first[p];
-    cells.resize(first[points]);
-    std::vector<size_t> next(first.begin(), first.end() - 1);
-    uint32_t cell = 0;
-    for (const CellType type : kAllCellTypes) {
-      const std::span<const uint32_t> corners = all.points[size_t(type)];
-      const size_t n = shapeOf(type).points;
-      for (size_t at = 0; at < corners.size(); at += n, cell++)
-        for (size_t i = 0; i < n; i++) cells[next[corners[at + i]]++] = cell;
-    }
-  }
-
-  std::span<const uint32_t> of(size_t point) const {
-    return std::span(cells).subspan(first[point], first[point + 1] - first[point]);
-  }
-};
 
 /// A symmetric matrix of three rows, of which the lower half counts.
 using Symmetric = std::array<std::array<double, 3>, 3>;

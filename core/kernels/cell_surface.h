@@ -7,6 +7,9 @@
 //   vec4 levelCorner(op, p, k)   x, y, z of corner k, and the level there
 //   vec4 levelValues(op, p)      the values of its four corners, all equal on an isosurface
 //   uint surfaceOf(op, p)        the number of the surface: those of the slices, then those of the isosurfaces
+//   bool hasGradients(op)        whether isosurfaces are smooth: their normals are means of gradients at the corners of cells
+//   uint levelPoint(op, i)       the number of the gradient at corner i % 4 of surface cell i / 4
+//   vec3 levelGradient(op, n)    the gradient of values of this number
 
 FN real component4(vec4 v, int i) { return i < 2 ? (i == 0 ? v.x : v.y) : (i == 2 ? v.z : v.w); }
 
@@ -104,8 +107,35 @@ FN real cellGradient(vec4 a, vec4 b, vec4 c, vec4 d, OUT(vec3) gradient) {
 
 FN vec4 withValue(vec4 corner, real value) { return make_v4(corner.x, corner.y, corner.z, value); }
 
-// The surface in surface cell p, which the ray meets at t. Normals are those of the cell; an isosurface's outside is where values are
-// lower.
+// The mean of the gradients at the corners of a surface cell, weighed by the volumes of the tetrahedra between a point in it and its sides;
+// of any length.
+FN vec3 meanGradient(OPERATOR op, uint p, vec4 a, vec4 b, vec4 c, vec4 d, vec3 point) {
+  vec3 ab = make_v3(b.x - a.x, b.y - a.y, b.z - a.z), ac = make_v3(c.x - a.x, c.y - a.y, c.z - a.z),
+       ad = make_v3(d.x - a.x, d.y - a.y, d.z - a.z),
+       ap = make_v3(point.x - a.x, point.y - a.y, point.z - a.z);
+  vec3 nb = cross3(ac, ad), nc = cross3(ad, ab), nd = cross3(ab, ac);
+  real volume = dot3(ab, nb);
+  real turn = volume < R(0.0) ? R(-1.0) : R(1.0);
+  real wb = max1(turn * dot3(ap, nb), R(0.0)), wc = max1(turn * dot3(ap, nc), R(0.0)),
+       wd = max1(turn * dot3(ap, nd), R(0.0));
+  real wa = max1(turn * volume - ((wb + wc) + wd), R(0.0));
+  vec3 ga = levelGradient(op, levelPoint(op, 4u * p)), gb = levelGradient(op, levelPoint(op, 4u * p + 1u)),
+       gc = levelGradient(op, levelPoint(op, 4u * p + 2u)),
+       gd = levelGradient(op, levelPoint(op, 4u * p + 3u));
+  return make_v3((wa * ga.x + wb * gb.x) + (wc * gc.x + wd * gd.x),
+                 (wa * ga.y + wb * gb.y) + (wc * gc.y + wd * gd.y),
+                 (wa * ga.z + wb * gb.z) + (wc * gc.z + wd * gd.z));
+}
+
+// The normal of an isosurface where values have this gradient; `cell`, the normal of the cell, if it is 0.
+FN vec3 smoothNormal(vec3 gradient, vec3 cell) {
+  vec3 n = unit3(make_v3(-gradient.x, -gradient.y, -gradient.z));
+  bool has = dot3(n, n) >= R(0.5);
+  return make_v3(has ? n.x : cell.x, has ? n.y : cell.y, has ? n.z : cell.z);
+}
+
+// The surface in surface cell p, which the ray meets at t. The geometric normal is that of the cell; an isosurface's outside is where values
+// are lower.
 FN Surface cellSurface(OPERATOR op, uint p, vec3 o, vec3 d, real t) {
   Surface f;
   vec4 a = levelCorner(op, p, 0), b = levelCorner(op, p, 1), c = levelCorner(op, p, 2),
@@ -127,6 +157,8 @@ FN Surface cellSurface(OPERATOR op, uint p, vec3 o, vec3 d, real t) {
     if (!(dot3(f.normal, f.normal) >= R(0.5))) f.normal = unit3(make_v3(-d.x, -d.y, -d.z));
   }
   f.geometric = f.normal;
+  if (hasGradients(op) && surface >= toUint(op.slices))
+    f.normal = smoothNormal(meanGradient(op, p, a, b, c, e, f.point), f.geometric);
   cellGradient(withValue(a, values.x), withValue(b, values.y), withValue(c, values.z), withValue(e, values.w),
                gradient);
   real rise = dot3(gradient, make_v3(f.point.x - a.x, f.point.y - a.y, f.point.z - a.z));

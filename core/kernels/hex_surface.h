@@ -7,7 +7,7 @@
 //   vec4 hexLevel(op, p, k)    x, y, z of corner k of 8, and the level there
 //   real hexValue(op, p, k)    the value there
 //   uint levelOrders(op, p)    the orders (hexahedron.h) of its sides
-// and surfaceOf(op, p).
+// and surfaceOf(op, p), hasGradients(op), levelPoint(op, i) of corner i % 8 of surface cell i / 8, and levelGradient(op, n).
 
 // One step of Newton's method towards the reference coordinates at which the ray meets the surface.
 FN vec3 towardsSurface(Hexahedron h, vec3 at) {
@@ -39,7 +39,15 @@ FN real levelRootOn(FrameRay r, Hexahedron h, vec4 cubic, SidePoint p, vec3 at, 
       real exact = there.z * r.frame.perDepth;
       real root = clamp1(lerp1(tp, tq, u), begin, end);
       if (exact >= begin && exact <= end) root = exact;
-      if (root > tAfter) t = root;
+      // Near the surface that a ray has left the cubic may cross the level where the surface does not: the level before it tells.
+      bool crosses = true;
+      if (begin < tAfter) {
+        real before = lerp1(tAfter, root, R(0.5));
+        vec3 place = middleOf(at, last, clamp1((before - tp) / (tq - tp), R(0.0), R(1.0)));
+        SidePoint point = pointAtDepth(h, before / r.frame.perDepth, place);
+        crosses = (point.value > R(0.0)) != (fz > R(0.0));
+      }
+      if (root > tAfter && crosses) t = root;
     }
     if (z > a) fa = fz;
     a = max1(a, z);
@@ -115,8 +123,15 @@ FN vec4 from4(vec4 corner, vec3 point, real number) {
   return make_v4(corner.x - point.x, corner.y - point.y, corner.z - point.z, number);
 }
 
-// The surface in surface cell p, which the ray meets at t. Normals are those of the level there; an isosurface's outside is where values
-// are lower.
+// The gradient of values at corner k of surface cell p, and the value there.
+FN vec4 gradientAndValue(OPERATOR op, uint p, int k) {
+  vec3 g = make_v3(R(0.0), R(0.0), R(0.0));
+  if (hasGradients(op)) g = levelGradient(op, levelPoint(op, 8u * p + toUint(k)));
+  return make_v4(g.x, g.y, g.z, hexValue(op, p, k));
+}
+
+// The surface in surface cell p, which the ray meets at t. The geometric normal is that of the level there; an isosurface's outside is where
+// values are lower.
 FN Surface hexSurface(OPERATOR op, uint p, vec3 o, vec3 d, real t) {
   Surface f;
   f.point = make_v3(o.x + t * d.x, o.y + t * d.y, o.z + t * d.z);
@@ -144,11 +159,11 @@ FN Surface hexSurface(OPERATOR op, uint p, vec3 o, vec3 d, real t) {
     if (!(dot3(f.normal, f.normal) >= R(0.5))) f.normal = unit3(make_v3(-d.x, -d.y, -d.z));
   }
   f.geometric = f.normal;
-  h.c0.w = hexValue(op, p, 0), h.c1.w = hexValue(op, p, 1), h.c2.w = hexValue(op, p, 2),
-  h.c3.w = hexValue(op, p, 3);
-  h.c4.w = hexValue(op, p, 4), h.c5.w = hexValue(op, p, 5), h.c6.w = hexValue(op, p, 6),
-  h.c7.w = hexValue(op, p, 7);
+  h.c0 = gradientAndValue(op, p, 0), h.c1 = gradientAndValue(op, p, 1), h.c2 = gradientAndValue(op, p, 2);
+  h.c3 = gradientAndValue(op, p, 3), h.c4 = gradientAndValue(op, p, 4), h.c5 = gradientAndValue(op, p, 5);
+  h.c6 = gradientAndValue(op, p, 6), h.c7 = gradientAndValue(op, p, 7);
   vec4 there = trilinearIn(h, at);
+  if (hasGradients(op) && surface >= toUint(op.slices)) f.normal = smoothNormal(placeOf(there), f.geometric);
   f.value = there.w;
   return f;
 }

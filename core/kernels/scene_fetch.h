@@ -98,6 +98,12 @@ FN vec4 hexLevel(OPERATOR op, uint p, int k) {
 FN real hexValue(OPERATOR op, uint p, int k) { return op.levelValues[8 * PLACE(p) + k]; }
 FN uint levelOrders(OPERATOR op, uint p) { return op.levelOrders[p]; }
 FN uint surfaceOf(OPERATOR op, uint p) { return op.surfaces[p]; }
+FN UNIFORM bool hasGradients(OPERATOR op) { return op.levelPoints != NULL; }
+FN uint levelPoint(OPERATOR op, uint i) { return op.levelPoints[PLACE(i)]; }
+FN vec3 levelGradient(OPERATOR op, uint i) {
+  return make_v3(op.levelGradients[3 * PLACE(i)], op.levelGradients[3 * PLACE(i) + 1],
+                 op.levelGradients[3 * PLACE(i) + 2]);
+}
 #undef MESH_AT
 FN vec3 sliceNormal(OPERATOR op, uint i) {
   return make_v3(op.slice[4 * i], op.slice[4 * i + 1], op.slice[4 * i + 2]);

@@ -46,10 +46,13 @@ struct OperatorView {
   PTR(uint) shell;   // of a mesh: one per primitive (mesh.h)
   PTR(uint) unseen;  // of a mesh: a bit per brick of cells that rays leave out (mesh.h), or null
   // Of a mesh: per cell that an isosurface or a slice passes, in which it is the one of cell_surface.h or hex_surface.h, 4 or 8 corners of
-  // x y z level, the values there, the orders of the sides of a hexahedron, and the number of the surface.
+  // x y z level, the values there, the orders of the sides of a hexahedron, and the number of the surface. If isosurfaces are smooth, also for
+  // each corner the number of a gradient of values, x y z; else null.
   uint surfaceCells;
   PTR(real) levelCorners;
   PTR(real) levelValues;
+  PTR(real) levelGradients;
+  PTR(uint) levelPoints;
   PTR(uint) levelOrders;
   PTR(uint) surfaces;
   RAW shellHierarchy;  // over the shell of a mesh, in the backend's own form

@@ -29,20 +29,6 @@ size_t brickSize(uint32_t corners) {
 
 using OtherScenes = std::span<const std::shared_ptr<const CompiledScene>>;
 
-// What the operator shows of stored values, of several components each.
-std::vector<float> shownOf(const CompiledOperator& op, const std::vector<float>& values) {
-  const auto components = size_t(op.data.mesh->components);
-  if (components == 1) return values;
-  std::vector<float> shown(values.size() / components);
-  for (size_t i = 0; i < shown.size(); i++) {
-    const float* of = values.data() + i * components;
-    float squares = 0;
-    for (size_t c = 0; c < components; c++) squares += of[c] * of[c];
-    shown[i] = op.vis.component ? of[size_t(*op.vis.component)] : std::sqrt(squares);
-  }
-  return shown;
-}
-
 // What an operator shows of a block.
 struct ShownValues {
   std::vector<float> points;
@@ -50,8 +36,8 @@ struct ShownValues {
   bool constant;             // whether cells are in their own values
 
   ShownValues(const CompiledOperator& op, const MeshBlock& block)
-      : points(shownOf(op, block.values)),
-        cells(shownOf(op, block.cellValues)),
+      : points(shownValues(block.values, op.data.mesh->components, op.vis.component)),
+        cells(shownValues(block.cellValues, op.data.mesh->components, op.vis.component)),
         constant(showsConstantCells(op)) {}
 
   // Whether a cell of these points has data.
@@ -77,7 +63,8 @@ bool showsSameValues(const CompiledOperator& a, const CompiledOperator& b) {
 }
 
 bool showsSameSurfaces(const CompiledOperator& a, const CompiledOperator& b) {
-  return showsSameValues(a, b) && a.isovalues == b.isovalues && a.slices == b.slices;
+  return showsSameValues(a, b) && a.isovalues == b.isovalues && a.slices == b.slices &&
+         a.data.gradients == b.data.gradients;
 }
 
 // Returns what another scene has in the partition of an operator that is the same in this respect; null if there is none.
@@ -215,39 +202,74 @@ std::shared_ptr<const GeometryInPartition> seenCells(std::shared_ptr<const Geome
   return std::make_shared<const GeometryInPartition>(std::move(*part));
 }
 
-// Appends the cells that a surface passes, given the level at each point. It passes a cell if the level is above 0 at some of its
-// corners and not at others. A slice in a face of a cell is thus in the cell above it; where there is none, the cell below it has the
-// slice, with levels turned over.
-void addSurface(const MeshBlock& block, const KernelCells& kernel, const ShownValues& shown,
-                std::span<const float> level, uint32_t surface, std::optional<float> isovalue,
-                const RenderSpace& space, GeometryInPartition& cells) {
-  for (size_t cell = 0; cell < kernel.size(); cell++) {
-    const std::span<const uint32_t> at = kernel.pointsOf(cell);
-    const auto above = std::count_if(at.begin(), at.end(), [&](uint32_t p) { return level[p] > 0; });
-    if (above == std::ptrdiff_t(at.size()) || !shown.hold(cell, at)) continue;
-    bool ends = false;
-    if (above == 0) {
-      if (isovalue) continue;
-      uint32_t on = 0;
-      for (size_t k = 0; k < at.size(); k++) on |= uint32_t(level[at[k]] == 0) << k;
-      ends = on != 0 && kernel.isOuterSide(cell, on);
-      if (!ends) continue;
-    }
-    for (const uint32_t p : at) {
-      const glm::vec3 place = placeIn(space, block.points[p]);
-      cells.points.insert(cells.points.end(), {place.x, place.y, place.z, ends ? -level[p] : level[p]});
-      cells.values.push_back(isovalue.value_or(shown.constant ? shown.cells[cell] : shown.points[p]));
-    }
-    if (!kernel.orders.empty()) cells.orders.push_back(kernel.orders[cell]);
-    cells.indices.push_back(surface);
+// The cells that the surfaces of an operator pass in one partition, one surface after the other.
+class SurfaceCells {
+ public:
+  // `gradients`: x y z for each point, or null.
+  SurfaceCells(const MeshBlock& block, const KernelCells& kernel, const ShownValues& shown,
+               const std::vector<float>* gradients, const RenderSpace& space)
+      : block_(block), kernel_(kernel), shown_(shown), gradients_(gradients), space_(space) {
+    if (gradients) numbers_.resize(block.points.size(), kNone);
   }
-}
+
+  // Appends the cells that a surface passes, given the level at each point. It passes a cell if the level is above 0 at some of its
+  // corners and not at others. A slice in a face of a cell is thus in the cell above it; where there is none, the cell below it has the
+  // slice, with levels turned over.
+  void add(std::span<const float> level, uint32_t surface, std::optional<float> isovalue) {
+    for (size_t cell = 0; cell < kernel_.size(); cell++) {
+      const std::span<const uint32_t> at = kernel_.pointsOf(cell);
+      const auto above = std::count_if(at.begin(), at.end(), [&](uint32_t p) { return level[p] > 0; });
+      if (above == std::ptrdiff_t(at.size()) || !shown_.hold(cell, at)) continue;
+      bool ends = false;
+      if (above == 0) {
+        if (isovalue) continue;
+        uint32_t on = 0;
+        for (size_t k = 0; k < at.size(); k++) on |= uint32_t(level[at[k]] == 0) << k;
+        ends = on != 0 && kernel_.isOuterSide(cell, on);
+        if (!ends) continue;
+      }
+      for (const uint32_t p : at) {
+        const glm::vec3 place = placeIn(space_, block_.points[p]);
+        cells_.points.insert(cells_.points.end(), {place.x, place.y, place.z, ends ? -level[p] : level[p]});
+        cells_.values.push_back(isovalue.value_or(shown_.constant ? shown_.cells[cell] : shown_.points[p]));
+        if (gradients_) cells_.corners.push_back(isovalue ? numberOf(p) : 0);
+      }
+      if (!kernel_.orders.empty()) cells_.orders.push_back(kernel_.orders[cell]);
+      cells_.indices.push_back(surface);
+    }
+  }
+  GeometryInPartition take() { return std::move(cells_); }
+
+ private:
+  static constexpr uint32_t kNone = UINT32_MAX;
+
+  // The number of a point's gradient among those that are kept.
+  uint32_t numberOf(uint32_t point) {
+    uint32_t& number = numbers_[point];
+    if (number == kNone) {
+      number = uint32_t(cells_.normals.size() / 3);
+      const float* const gradient = gradients_->data() + 3 * size_t(point);
+      cells_.normals.insert(cells_.normals.end(), gradient, gradient + 3);
+    }
+    return number;
+  }
+
+  const MeshBlock& block_;
+  const KernelCells& kernel_;
+  const ShownValues& shown_;
+  const std::vector<float>* const gradients_;
+  const RenderSpace& space_;
+  std::vector<uint32_t> numbers_;  // of the gradients of points, or kNone
+  GeometryInPartition cells_;
+};
 
 // Returns the cells that the operator's surfaces pass; null if there are none.
 std::shared_ptr<const GeometryInPartition> surfacesOf(const CompiledOperator& op, const MeshBlock& block,
-                                                      const KernelCells& kernel, const ShownValues& shown,
-                                                      const RenderSpace& space, const Advance& advance) {
-  GeometryInPartition cells;
+                                                      int partition, const KernelCells& kernel,
+                                                      const ShownValues& shown, const RenderSpace& space,
+                                                      const Advance& advance) {
+  const bool isSmooth = op.data.gradients && !op.isovalues.empty();
+  SurfaceCells passed(block, kernel, shown, isSmooth ? &op.data.gradients->at(partition) : nullptr, space);
   std::vector<float> level(shown.points.size());
   const size_t count = op.slices.size() + op.isovalues.size();
   for (size_t surface = 0; surface < count; surface++) {
@@ -263,8 +285,9 @@ std::shared_ptr<const GeometryInPartition> surfacesOf(const CompiledOperator& op
       isovalue = op.isovalues[surface - op.slices.size()];
       for (size_t p = 0; p < level.size(); p++) level[p] = shown.points[p] - *isovalue;
     }
-    addSurface(block, kernel, shown, level, uint32_t(surface), isovalue, space, cells);
+    passed.add(level, uint32_t(surface), isovalue);
   }
+  GeometryInPartition cells = passed.take();
   if (cells.indices.empty()) return nullptr;
   const size_t most =
       kernel.corners == 4 ? size_t(1) << 28 : size_t(1) << 27;  // arrays have at most 2^32 numbers
@@ -337,7 +360,8 @@ void planMesh(CompiledOperator& op, CompiledScene& scene, OtherScenes others, co
       planned.surfaces =
           partAmong(others, op, scene.space, partition, &OperatorInPartition::surfaces, showsSameSurfaces);
       if (!planned.surfaces)
-        planned.surfaces = surfacesOf(op, block, kernelCellsOnce(), shown, scene.space, partOf(part, 1, 2));
+        planned.surfaces =
+            surfacesOf(op, block, partition, kernelCellsOnce(), shown, scene.space, partOf(part, 1, 2));
     }
     if (!planned.geometry && !planned.surfaces) continue;
     op.parts[partition] = std::move(planned);

@@ -283,7 +283,7 @@ double largestRadius(const Vis& vis, const Range& range) {
 
 size_t GeometryInPartition::bytes() const {
   return 4 * (points.size() + normals.size() + values.size() + colors.size() + indices.size() +
-              neighbours.size() + orders.size() + shell.size() + unseen.size()) +
+              neighbours.size() + orders.size() + corners.size() + shell.size() + unseen.size()) +
          bricks.size() * sizeof(Range);
 }
 

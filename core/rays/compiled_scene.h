@@ -14,6 +14,7 @@
 #include "core/data/geometry.h"
 #include "core/data/mesh.h"
 #include "core/data/partitioning.h"
+#include "core/data/point_gradients.h"
 #include "core/data/volume.h"
 #include "core/rays/compiled_map.h"
 #include "core/scene/scene.h"
@@ -35,6 +36,8 @@ RenderSpace renderSpaceOf(const Partitioning& partitioning);
 struct OperatorData {
   std::shared_ptr<const Volume> volume;
   std::shared_ptr<const Mesh> mesh{};  ///< an unstructured volume
+  /// Of what the operator shows of the mesh. Without it, isosurfaces have the normals of the cells.
+  std::shared_ptr<const PointGradients> gradients{};
   std::shared_ptr<const Geometry> geometry{};
   glm::dvec3 color{0.8};  ///< colour of geometry without values
 };
@@ -60,6 +63,8 @@ struct GeometryInPartition {
   std::vector<uint32_t> neighbours;
   std::vector<uint32_t> orders;  ///< of hexahedra: one per cell (kernels/hexahedron.h)
   std::vector<uint32_t>
+      corners;  ///< of cells that surfaces pass: for each corner the number of its gradient in `normals`, or empty
+  std::vector<uint32_t>
       shell;  ///< of a mesh: the sides where rays begin: MeshBlock::shell, likewise, and those of bricks that are not seen
   uint32_t primitives = 0;  ///< 1 or more
   /// Of a mesh: the ranges of stored values in bricks of 2^TETRAHEDRA_IN_BRICK tetrahedra or 2^HEXAHEDRA_IN_BRICK hexahedra.
@@ -83,7 +88,8 @@ struct OperatorInPartition {
       geometry;  ///< or cells to be volume rendered; null if there is none
   /// Of a mesh: the cells that isosurfaces and slices pass, those of each surface together, slices first; null if there are none. Per
   /// primitive `points` has 4 corners, or 8 where not all cells are tetrahedra, x y z in render space and the level
-  /// (kernels/cell_surface.h, hex_surface.h), `values` the stored values there, and `indices` the number of the surface.
+  /// (kernels/cell_surface.h, hex_surface.h), `values` the stored values there, and `indices` the number of the surface. `normals`, if
+  /// there are any, are the gradients at the points of cells with isosurfaces.
   std::shared_ptr<const GeometryInPartition> surfaces;
 };
 

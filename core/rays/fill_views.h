@@ -121,6 +121,8 @@ void fillSurfaces(View& v, const GeometryInPartition& cells, Put& put) {
   v.levelCorners = put(cells.points);
   v.levelValues = put(cells.values);
   v.levelOrders = put(cells.orders);
+  v.levelGradients = put(cells.normals);
+  v.levelPoints = put(cells.corners);
   v.surfaces = put(cells.indices);
 }
 

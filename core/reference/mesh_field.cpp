@@ -40,6 +40,23 @@ double trueValue(const Mesh& mesh, const std::vector<float>& values, size_t plac
   return std::sqrt(squares);
 }
 
+/// Each corner of a cell with three of its neighbours along edges, in all ways.
+std::vector<std::array<uint8_t, 4>> cornersWithNeighbours(CellType type) {
+  std::vector<std::array<uint8_t, 4>> all;
+  const CellShape& shape = shapeOf(type);
+  for (uint8_t corner = 0; corner < shape.points; corner++) {
+    std::set<uint8_t> neighbours;
+    for (const CellFace& face : std::span(shape.face).first(shape.faces))
+      for (size_t k = 0; k < face.corners; k++)
+        if (face.corner[k] == corner) neighbours.insert(face.corner[(k + 1) % face.corners]);
+    const std::vector<uint8_t> at(neighbours.begin(), neighbours.end());
+    for (size_t i = 0; i < at.size(); i++)
+      for (size_t j = i + 1; j < at.size(); j++)
+        for (size_t k = j + 1; k < at.size(); k++) all.push_back({corner, at[i], at[j], at[k]});
+  }
+  return all;
+}
+
 }  // namespace
 
 MeshField::MeshField(const Mesh& mesh, std::optional<int> component, CellsShown shown)
@@ -94,6 +111,7 @@ MeshField::MeshField(const Mesh& mesh, std::optional<int> component, CellsShown 
     if (constant) otherValues_.push_back(all.otherValues[i]);
   }
   tree_.emplace(boxes);
+  gradients_ = gradients();
 }
 
 void MeshField::addCells(const Mesh& mesh, const MeshBlock& block, std::optional<int> component,
@@ -214,21 +232,55 @@ MeshSurface MeshField::slice(const Plane& plane) const {
                  LevelKind::Distances);
 }
 
+std::vector<glm::dvec3> MeshField::gradients() const {
+  std::vector<glm::dvec3> sums(points_.size(), glm::dvec3(0));
+  std::vector<double> volumes(points_.size(), 0);
+  const auto addAt = [&](uint32_t point, const std::array<uint32_t, 3>& others) {
+    std::array<glm::dvec3, 3> edge;
+    glm::dvec3 rise;
+    for (int i = 0; i < 3; i++) {
+      edge[size_t(i)] = points_[others[size_t(i)]] - points_[point];
+      rise[i] = values_[others[size_t(i)]] - values_[point];
+    }
+    const auto& [b, c, d] = edge;
+    const double volume = glm::dot(b, glm::cross(c, d));
+    volumes[point] += std::abs(volume);
+    sums[point] += (volume < 0 ? -1.0 : 1.0) *
+                   (rise.x * glm::cross(c, d) + rise.y * glm::cross(d, b) + rise.z * glm::cross(b, c));
+  };
+  std::array<std::vector<std::array<uint8_t, 4>>, kCellTypes> corners;
+  for (const CellType type : kAllCellTypes) corners[size_t(type)] = cornersWithNeighbours(type);
+  const auto addCell = [&](CellType type, const uint32_t* points) {
+    for (const auto& [corner, b, c, d] : corners[size_t(type)])
+      addAt(points[corner], {points[b], points[c], points[d]});
+  };
+  for (const Corners& cell : tetrahedra_) addCell(CellType::Tetrahedron, cell.data());
+  for (const Other& cell : others_) addCell(cell.type, cell.points.data());
+  for (size_t p = 0; p < sums.size(); p++)
+    if (volumes[p] > 0) sums[p] /= volumes[p];
+  return sums;
+}
+
 MeshSurface MeshField::surface(const std::function<double(uint32_t)>& levelOf, LevelKind kind) const {
+  const auto slopeAt = [&](uint32_t point) {
+    return kind == LevelKind::Values ? gradients_[point] : glm::dvec3(0);
+  };
   std::vector<LevelCell> tetrahedra;
   for (size_t cell = 0; cell < tetrahedra_.size(); cell++) {
     std::array<double, 4> levels;
     for (size_t i = 0; i < 4; i++) levels[i] = levelOf(tetrahedra_[cell][i]);
-    if (isPassed(levels))
-      tetrahedra.push_back({cornersOf(tetrahedra_[cell]), levels, valuesOfTetrahedron(cell)});
+    if (!isPassed(levels)) continue;
+    tetrahedra.push_back({cornersOf(tetrahedra_[cell]), levels, valuesOfTetrahedron(cell)});
+    for (size_t i = 0; i < 4; i++) tetrahedra.back().gradients[i] = slopeAt(tetrahedra_[cell][i]);
   }
   std::vector<LevelBentCell> others;
   for (size_t cell = 0; cell < others_.size(); cell++) {
     OfCorners levels{};
     const size_t n = shapeOf(others_[cell].type).points;
     for (size_t i = 0; i < n; i++) levels[i] = levelOf(others_[cell].points[i]);
-    if (isPassed(std::span(levels).first(n)))
-      others.push_back({cornersOf(others_[cell]), levels, valuesOfOther(cell)});
+    if (!isPassed(std::span(levels).first(n))) continue;
+    others.push_back({cornersOf(others_[cell]), levels, valuesOfOther(cell)});
+    for (size_t i = 0; i < n; i++) others.back().gradients[i] = slopeAt(others_[cell].points[i]);
   }
   return MeshSurface(std::move(tetrahedra), std::move(others), kind);
 }

@@ -41,7 +41,7 @@ class MeshField {
   /// faces see passageThrough() and meet().
   std::vector<MeshSpan> along(const Ray& ray, Interval range) const;
 
-  /// The surface on which the value is the isovalue. Levels are > 0 where values are higher.
+  /// The surface on which the value is the isovalue. Levels are > 0 where values are higher. The gradients at its corners are means of those around.
   MeshSurface isosurface(double isovalue) const;
   /// The part of a plane in the cells that have data. Levels are > 0 on the side of the normal.
   MeshSurface slice(const Plane& plane) const;
@@ -66,6 +66,7 @@ class MeshField {
   void addCells(const Mesh& mesh, const MeshBlock& block, std::optional<int> component, uint32_t firstPoint,
                 Cells& cells) const;
   MeshSurface surface(const std::function<double(uint32_t point)>& levelOf, LevelKind kind) const;
+  std::vector<glm::dvec3> gradients() const;
   bool haveData(std::span<const uint32_t> points, double own) const;
   Tetrahedron cornersOf(const Corners& cell) const;
   BentCell cornersOf(const Other& cell) const;
@@ -75,6 +76,9 @@ class MeshField {
 
   std::vector<glm::dvec3> points_;
   std::vector<double> values_;
+  /// At each point the mean of the gradients in all tetrahedra that the point and three of its neighbours along the edges of a cell make,
+  /// weighed by volume; 0 where they have none.
+  std::vector<glm::dvec3> gradients_;
   std::vector<Corners> tetrahedra_;        ///< those with data; their points ascend
   std::vector<Other> others_;              ///< those with data
   std::vector<double> tetrahedronValues_;  ///< of cells that are constant; else empty

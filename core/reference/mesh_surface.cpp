@@ -57,7 +57,8 @@ std::vector<MeshCrossing> MeshSurface::crossings(uint32_t cell, const Ray& ray) 
   const double level0 = front.mean(in.levels), level1 = back.mean(in.levels);
   if ((level0 > 0) == (level1 > 0)) return {};
   const double u = level0 / (level0 - level1), value0 = front.mean(in.values), value1 = back.mean(in.values);
-  return {{front.t + u * (back.t - front.t), value0 + u * (value1 - value0), cell}};
+  const double t = front.t + u * (back.t - front.t);
+  return {{t, value0 + u * (value1 - value0), cell, ray.at(t)}};
 }
 
 std::vector<MeshCrossing> MeshSurface::crossingsOfBent(uint32_t cell, const Ray& ray) const {
@@ -75,7 +76,8 @@ std::vector<MeshCrossing> MeshSurface::crossingsOfBent(uint32_t cell, const Ray&
       roots.push_back({t, on.placeAt(passage, t)});
     }
     for (const CellRoot& root : roots)
-      found.push_back({root.t, shapeAt(one.cell.type, root.place).mean(one.values), cell, root.place});
+      found.push_back(
+          {root.t, shapeAt(one.cell.type, root.place).mean(one.values), cell, ray.at(root.t), root.place});
   }
   std::ranges::stable_sort(found, {}, &MeshCrossing::t);  // the passages of a tangled cell may overlap
   return found;
@@ -108,6 +110,28 @@ glm::dvec3 MeshSurface::upwards(const MeshCrossing& crossing, glm::dvec3 flat, g
   const double length = glm::length(gradient);
   if (!(length > 0 && std::isfinite(length))) return flat;
   return (volume < 0 ? -1.0 : 1.0) / length * gradient;
+}
+
+glm::dvec3 MeshSurface::smoothUpwards(const MeshCrossing& crossing, glm::dvec3 flat, glm::dvec3 aside) const {
+  glm::dvec3 mean(0);
+  if (isBent(crossing.cell)) {
+    const LevelBentCell& one = bent(crossing.cell);
+    const size_t corners = one.cell.corners().size();
+    mean = shapeAt(one.cell.type, placeNear(one.cell, crossing.place, aside))
+               .mean(std::span(one.gradients).first(corners));
+  } else {
+    // Of each component the mean is linear, as what has its values at the corners.
+    const LevelCell& cell = tetrahedra_[crossing.cell];
+    const glm::dvec3 place = crossing.position + aside;
+    for (int a = 0; a < 3; a++) {
+      std::array<double, 4> component;
+      for (size_t k = 0; k < 4; k++) component[k] = cell.gradients[k][a];
+      const auto [volume, slope] = gradientOf(cell.corners, component);
+      mean[a] = component[0] + glm::dot(slope, place - cell.corners[0]) / volume;
+    }
+  }
+  const double length = glm::length(mean);
+  return length > 0 && std::isfinite(length) ? mean / length : flat;
 }
 
 double MeshSurface::valueNear(const MeshCrossing& crossing, glm::dvec3 aside) const {

@@ -15,13 +15,15 @@ namespace gxy::reference {
 /// A tetrahedron with a level, which is linear in it: value - isovalue, or the distance to the plane of a slice.
 struct LevelCell {
   Tetrahedron corners;
-  std::array<double, 4> levels, values;  ///< at the corners
+  std::array<double, 4> levels, values;   ///< at the corners
+  std::array<glm::dvec3, 4> gradients{};  ///< there, of values, of which normals are made; 0 on slices
 };
 
 /// The same for a hexahedron, wedge or pyramid.
 struct LevelBentCell {
   BentCell cell;
   OfCorners levels, values;
+  std::array<glm::dvec3, 8> gradients{};
 };
 
 /// Whether the surface passes a cell with these levels at its corners.
@@ -32,7 +34,8 @@ struct MeshCrossing {
   double t;
   double value;
   uint32_t cell;
-  glm::dvec3 place{0};  ///< in the reference coordinates of shapeAt(); not of a tetrahedron
+  glm::dvec3 position{0};  ///< on the ray
+  glm::dvec3 place{0};     ///< in the reference coordinates of shapeAt(); not of a tetrahedron
 };
 
 /// What levels are: values less the isovalue, or distances to a plane, which are linear in space.
@@ -55,6 +58,8 @@ class MeshSurface {
 
   /// The unit vector towards higher levels `aside` from a crossing; `flat` if the levels have no gradient there.
   glm::dvec3 upwards(const MeshCrossing& crossing, glm::dvec3 flat, glm::dvec3 aside = glm::dvec3(0)) const;
+  /// The unit vector of the mean of the gradients at the corners of the cell, `aside` from a crossing; `flat` if that is 0.
+  glm::dvec3 smoothUpwards(const MeshCrossing& crossing, glm::dvec3 flat, glm::dvec3 aside) const;
   /// The value `aside` from a crossing, not beyond those at the corners of its cell.
   double valueNear(const MeshCrossing& crossing, glm::dvec3 aside) const;
 

@@ -290,7 +290,8 @@ void World::describeMeshSurface(const ShownOperator& part, const Ray& ray, Surfa
   const auto crossings = surface.crossings(hit.item, ray);
   const MeshCrossing& crossing = *std::ranges::find(crossings, hit.t, &MeshCrossing::t);
   if (hit.primitive >= vis.slices.size()) {
-    hit.normal = hit.geometric = -surface.upwards(crossing, ray.direction, hit.position - met);
+    hit.geometric = -surface.upwards(crossing, ray.direction, hit.position - met);
+    hit.normal = -surface.smoothUpwards(crossing, -hit.geometric, hit.position - met);
     hit.colour = part.transfer.colour(vis.isovalues[hit.primitive - vis.slices.size()]);
   } else {
     hit.normal = hit.geometric = glm::normalize(vis.slices[hit.primitive].normal);

@@ -48,6 +48,18 @@ DistributedGeometryPtr SharedGeometry::get(const GeometrySource& source, const V
   return known_.get(distribution, [&] { return std::move(mine); });
 }
 
+MeshGradientsPtr SharedGradients::get(std::shared_ptr<const Mesh> mesh, const Vis& vis,
+                                      const Partitioning& partitioning, Collectives& ranks,
+                                      const EnterMemory& enter) {
+  const std::pair key{mesh.get(), vis.component.value_or(-1)};
+  MeshGradientsPtr known = known_.find(key);
+  if (everywhere(known != nullptr, ranks)) return known;  // a rank may have forgotten it
+  MeshGradients mine{std::move(mesh), {}, {}};
+  mine.gradients = pointGradients(*mine.mesh, vis.component, partitioning, ranks);
+  agree(ranks, [&] { mine.memory = enter("geometry", bytesOf(mine.gradients)); });
+  return known_.get(key, [&] { return std::move(mine); });
+}
+
 std::vector<std::shared_ptr<const CompiledScene>> SceneBuilder::others() {
   std::vector<std::shared_ptr<const CompiledScene>> others;
   const std::lock_guard lock(mutex_);
@@ -71,6 +83,11 @@ BuiltScene SceneBuilder::build(SceneSource source, Collectives& ranks, const Ent
       onItem(item++, of, "distributing " + vis.dataset);
       built.geometry.push_back(geometry_.get(*from.geometry, vis, *source.partitioning, ranks, enter));
       from.data.geometry = built.geometry.back()->geometry;
+    }
+    if (const Vis& vis = source.visualization.operators[i];
+        from.data.mesh && !vis.isovalues.empty() && !source.sampled) {
+      built.gradients.push_back(gradients_.get(from.data.mesh, vis, *source.partitioning, ranks, enter));
+      from.data.gradients = {built.gradients.back(), &built.gradients.back()->gradients};
     }
     data.push_back(std::move(from.data));
   }

@@ -15,6 +15,7 @@
 #include "core/comm/collectives.h"
 #include "core/data/owned_geometry.h"
 #include "core/data/partitioning.h"
+#include "core/data/point_gradients.h"
 #include "core/rays/backend.h"
 #include "core/rays/compiled_scene.h"
 #include "core/rays/scene_memory.h"
@@ -51,6 +52,27 @@ class SharedGeometry {
   SharedBy<Distribution, DistributedGeometry> known_;
 };
 
+/// Gradients of a mesh, with their entry in the ledger.
+struct MeshGradients {
+  std::shared_ptr<const Mesh> mesh;  ///< of which they are
+  PointGradients gradients;
+  LedgerEntry memory;
+};
+using MeshGradientsPtr = std::shared_ptr<const MeshGradients>;
+
+/// Keeps the gradients of meshes for as long as somebody holds them, so that scenes share them. There is one on each rank. Thread safe.
+class SharedGradients {
+ public:
+  /// Collective. Returns the gradients of what `vis` shows of the mesh. If any rank does not have them, they are made and `enter` is called for
+  /// "geometry". If either fails on one rank, all ranks throw the same Error.
+  MeshGradientsPtr get(std::shared_ptr<const Mesh> mesh, const Vis& vis, const Partitioning& partitioning,
+                       Collectives& ranks, const EnterMemory& enter);
+
+ private:
+  /// The mesh, and Vis::component or -1.
+  SharedBy<std::pair<const Mesh*, int>, MeshGradients> known_;
+};
+
 /// The data of one operator.
 struct OperatorSource {
   OperatorData data;
@@ -72,6 +94,7 @@ struct BuiltScene {
   std::shared_ptr<const CompiledScene> compiled;
   std::shared_ptr<const DeviceScene> device;
   std::vector<DistributedGeometryPtr> geometry;  ///< distributed for this scene, or shared with others
+  std::vector<MeshGradientsPtr> gradients;       ///< likewise
   /// Entries for "scene". This member is the last, so that the entries are destroyed before the memory that they count.
   SceneMemory::Entries memory;
 };
@@ -87,7 +110,7 @@ class SceneBuilder {
   /// The backend must outlive the builder. `rank` is this rank.
   SceneBuilder(const Backend& backend, int rank) : backend_(backend), rank_(rank) {}
 
-  /// Collective. Distributes geometry, compiles the scene, merges over all ranks which partitions are visible, and makes the
+  /// Collective. Distributes geometry, finds the gradients for isosurfaces of meshes, compiles the scene, merges over all ranks which partitions are visible, and makes the
   /// scene on the backend's device. Calls `enter` for "geometry" after each distribution, and for "scene" once the device has
   /// the scene. Takes long for much data. If a rank fails or has no room, all ranks throw the same Error and nothing remains.
   BuiltScene build(
@@ -100,6 +123,7 @@ class SceneBuilder {
   const Backend& backend_;
   const int rank_;
   SharedGeometry geometry_;
+  SharedGradients gradients_;
   SceneMemory memory_;
   std::mutex mutex_;
   std::vector<std::weak_ptr<const CompiledScene>> scenes_;  ///< in the order in which they were built

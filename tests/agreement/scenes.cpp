@@ -36,8 +36,15 @@ std::shared_ptr<const CompiledScene> TestScene::compile() const {
     const double longest = std::max({size.x, size.y, size.z, std::abs(all.lo[a]) * 1e-12, 1e-300});
     if (!(size[a] > 0)) all.lo[a] -= 0.5 * longest, all.hi[a] += 0.5 * longest;
   }
-  return compileScene(visualization, data, std::make_shared<Partitioning>(Partitioning::single(all)),
-                      settings, others);
+  std::vector<OperatorData> complete = data;
+  for (size_t i = 0; i < complete.size(); i++) {
+    const Vis& vis = visualization.operators[i];
+    if (complete[i].mesh && !vis.isovalues.empty())
+      complete[i].gradients =
+          std::make_shared<const PointGradients>(localGradients(*complete[i].mesh, vis.component));
+  }
+  return compileScene(visualization, std::move(complete),
+                      std::make_shared<Partitioning>(Partitioning::single(all)), settings, others);
 }
 
 reference::ReferenceScene TestScene::forReference() const {

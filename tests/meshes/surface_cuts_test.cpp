@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "tests/meshes/cells.h"
 #include "tests/meshes/mesh_cuts.h"
 
 namespace gxy::test {
@@ -52,6 +53,33 @@ TEST(MeshSurfaceCuts, RaysThroughPointsEdgesAndFaces) {
                                    glm::dvec3(1, 1, 0), glm::dvec3(1, 1, 1), glm::dvec3(3, 1, -2)}) {
     orthographic(scene, towards, 27.0 / 8);
     expectSameBits(scene, cuts, "towards " + std::to_string(towards.x) + " " + std::to_string(towards.y));
+  }
+}
+
+// Also where no ray meets the surface, and of cells of all kinds.
+TEST(MeshSurfaceCuts, GradientsAtPointsHaveTheSameBits) {
+  const Vis vis = surfacesIn({0.2});
+  for (const MeshPiece& piece : {cubeMesh(6, 0.17, waves), cubeOfCells(Cells::All, 4, 0.15, waves)}) {
+    const WholeMesh whole{piece};
+    const Partitioning one = Partitioning::single(kDomain);
+    const auto alone = cut(whole, one, 1);
+    const PointGradients expected = *gradientsOf(alone, vis, one).at(0);
+    const auto& points = alone.at(0)->blocks.at(0).points;
+    for (const Cut& parts : arbitraryCuts(41)) {
+      const auto meshes = cut(whole, parts.partitioning, parts.ranks);
+      const auto gradients = gradientsOf(meshes, vis, parts.partitioning);
+      size_t compared = 0;
+      for (size_t r = 0; r < meshes.size(); r++)
+        for (const auto& [partition, block] : meshes[r]->blocks)
+          for (size_t p = 0; p < block.points.size(); p++, compared++) {
+            const auto at = size_t(std::find(points.begin(), points.end(), block.points[p]) - points.begin());
+            ASSERT_LT(at, points.size());
+            for (size_t a = 0; a < 3; a++)
+              ASSERT_EQ(gradients[r]->at(partition)[3 * p + a], expected.at(0)[3 * at + a])
+                  << parts.name << ", partition " << partition << ", point " << p;
+          }
+      EXPECT_GT(compared, points.size());
+    }
   }
 }
 

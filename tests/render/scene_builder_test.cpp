@@ -9,6 +9,7 @@
 #include "core/comm/error.h"
 #include "tests/support/backends.h"
 #include "tests/support/frames.h"
+#include "tests/support/meshes.h"
 
 namespace gxy::test {
 namespace {
@@ -74,6 +75,43 @@ class SceneBuilderTest : public testing::Test {
   std::vector<std::string> entered_, items_;
   std::string full_;  ///< a purpose for which there is no room
 };
+
+TEST_F(SceneBuilderTest, FindsGradientsOnceForIsosurfacesOfAMesh) {
+  const auto value = [](glm::dvec3 p) { return p.x + p.y * p.z; };
+  const auto meshOf = [&](double far) {
+    return meshInOnePiece(cubeOfTets(
+        4, [far](glm::dvec3 p) { return far * p; }, value));
+  };
+  const auto sourceOf = [&](std::shared_ptr<const Mesh> mesh, std::vector<double> isovalues) {
+    Visualization visualization;
+    Vis& vis = visualization.operators.emplace_back();
+    vis.volumeRendering = true;
+    vis.isovalues = std::move(isovalues);
+    SceneSource source{visualization, scene_.settings, nullptr, {}};
+    source.partitioning = std::make_shared<const Partitioning>(Partitioning::single(mesh->box));
+    source.data.emplace_back().data.mesh = std::move(mesh);
+    return source;
+  };
+  const auto first = meshOf(0), second = meshOf(0.1);
+  SceneSource sampled = sourceOf(first, {0.5});
+  sampled.sampled = true;
+  const BuiltScene without = build(sourceOf(first, {})), ofSampling = build(std::move(sampled));
+  EXPECT_EQ(distributions(), 0);
+  EXPECT_EQ(ofSampling.compiled->operators.at(0).parts.at(0).surfaces->normals.size(), 0u);
+  {
+    const BuiltScene low = build(sourceOf(first, {0.4})), high = build(sourceOf(first, {0.6, 0.7}));
+    EXPECT_EQ(distributions(), 1) << "an isovalue changes no gradient";
+    EXPECT_EQ(low.gradients.at(0), high.gradients.at(0));
+    EXPECT_EQ(low.gradients.at(0)->gradients.at(0).size(), 3 * first->blocks.at(0).points.size());
+    const GeometryInPartition& surfaces = *low.compiled->operators.at(0).parts.at(0).surfaces;
+    EXPECT_EQ(surfaces.corners.size(), 4 * surfaces.indices.size());
+    EXPECT_LT(surfaces.normals.size(), 3 * first->blocks.at(0).points.size()) << "those of active points";
+    const BuiltScene other = build(sourceOf(second, {0.4}));
+    EXPECT_EQ(distributions(), 2) << "another mesh has others";
+  }
+  const BuiltScene again = build(sourceOf(first, {0.4}));
+  EXPECT_EQ(distributions(), 3) << "nobody has held them";
+}
 
 TEST_F(SceneBuilderTest, DistributesGeometryOnceForEachNameAndRadii) {
   {

@@ -116,6 +116,19 @@ std::vector<std::shared_ptr<const Mesh>> cut(const WholeMesh& whole, const Parti
   return meshes;
 }
 
+std::vector<std::shared_ptr<const PointGradients>> gradientsOf(
+    const std::vector<std::shared_ptr<const Mesh>>& meshes, const Vis& vis,
+    const Partitioning& partitioning) {
+  std::vector<std::shared_ptr<const PointGradients>> gradients(meshes.size());
+  if (vis.isovalues.empty()) return gradients;
+  onRanks(int(meshes.size()), [&](Collectives& mine) {
+    const auto rank = size_t(mine.rank());
+    gradients[rank] = std::make_shared<const PointGradients>(
+        pointGradients(*meshes[rank], vis.component, partitioning, mine));
+  });
+  return gradients;
+}
+
 std::vector<std::shared_ptr<const Geometry>> distributed(const WholeGeometry& whole,
                                                          const Partitioning& partitioning,
                                                          const RadiusOf& radius, int ranks) {

@@ -7,8 +7,10 @@
 
 #include "core/data/geometry.h"
 #include "core/data/partitioning.h"
+#include "core/data/point_gradients.h"
 #include "core/data/replicate.h"
 #include "core/data/volume.h"
+#include "core/scene/scene.h"
 #include "tests/support/meshes.h"
 
 namespace gxy::test {
@@ -41,6 +43,10 @@ struct WholeMesh {
 /// Returns each rank's mesh after an import, where cells were read by the ranks in turn.
 std::vector<std::shared_ptr<const Mesh>> cut(const WholeMesh& whole, const Partitioning& partitioning,
                                              int ranks);
+
+/// Returns each rank's gradients of what `vis` shows of such a mesh; null if it has no isosurfaces.
+std::vector<std::shared_ptr<const PointGradients>> gradientsOf(
+    const std::vector<std::shared_ptr<const Mesh>>& meshes, const Vis& vis, const Partitioning& partitioning);
 
 /// All primitives of a geometry, by ascending id.
 struct WholeGeometry {

@@ -16,7 +16,11 @@ std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene, const 
       for (size_t r = 0; r < parts.size(); r++) data[r].emplace_back().volume = parts[r];
     } else if (const auto* mesh = std::get_if<std::shared_ptr<const WholeMesh>>(&scene.data[i])) {
       const auto parts = test::cut(**mesh, *partitioning, cut.ranks);
-      for (size_t r = 0; r < parts.size(); r++) data[r].emplace_back().mesh = parts[r];
+      const auto gradients = test::gradientsOf(parts, vis, *partitioning);
+      for (size_t r = 0; r < parts.size(); r++) {
+        data[r].emplace_back().mesh = parts[r];
+        data[r].back().gradients = gradients[r];
+      }
     } else {
       const auto& geometry = *std::get<std::shared_ptr<const WholeGeometry>>(scene.data[i]);
       const bool flat = geometry.kind == GeometryKind::Triangles;
