@@ -14,7 +14,8 @@ from typing import Any
 
 __version__ = "0.1.0"
 
-_MODULE_OF = {"Client": "client", "GalaxyError": "client", "Timeout": "client"}
+_MODULE_OF = {"connect": "session", "Session": "session", "Data": "data", "Graph": "graph", "Node": "nodes", "View": "view",
+              "Picture": "picture", "Client": "client", "GalaxyError": "client", "Timeout": "client"}
 _MODULES = ("client", "insitu")
 __all__ = list(_MODULE_OF)
 

@@ -75,6 +75,8 @@ def main() -> int:
             for warning in window.set(state).get("warnings", []):
                 print(f"gxy: warning: {_printable(warning)}", file=sys.stderr)
             picture = window.render(timeout=None, levels=[1], passes=arguments.passes)
+        if picture.rgba is None:
+            raise GalaxyError("the picture has come without pixels")
         write_png(arguments.output, picture.rgba)
     except (GalaxyError, OSError, ValueError) as e:
         print(f"gxy: error: {_printable(str(e))}", file=sys.stderr)

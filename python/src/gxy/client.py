@@ -61,10 +61,13 @@ class GalaxyError(Exception):
     node: Optional[str] = None
     path: Optional[list[Any]] = None
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, node: Optional[str] = None, path: Optional[list[Any]] = None, rank: Optional[int] = None) -> None:
         super().__init__(text)
-        if rank := re.match(r"rank (\d+): ", text):
-            self.rank = int(rank[1])
+        if node is not None:
+            self.node, self.path, self.rank = node, path, rank
+            return
+        if of_rank := re.match(r"rank (\d+): ", text):
+            self.rank = int(of_rank[1])
         if place := _PLACE.search(text):
             self.node = json.loads(place["name"])
             self.path = [place["section"], self.node]
@@ -166,10 +169,10 @@ class Window:
         """What it shows: a state document or a part of one. The reply has `warnings`."""
         return self._client.request(f"viewer.set {self.number} {json.dumps(state)}")
 
-    def start(self, **options: Any) -> int:
-        """Begins a frame, which supersedes older ones; options as in `viewer.render`. Its number."""
+    def start(self, timeout: Optional[float] = None, **options: Any) -> int:
+        """Begins a frame, which supersedes older ones; options as in `viewer.render`. Its number, once its scene is ready."""
         options["encoding"] = "zlib"
-        return self._client.request(f"viewer.render {self.number} {json.dumps(options)}")["frame"]
+        return self._client.request(f"viewer.render {self.number} {json.dumps(options)}", timeout)["frame"]
 
     def wait(self, frame: int, timeout: Optional[float] = 60) -> Picture:
         """Waits until this frame or a later one has ended; the picture of the newest, however it ended."""
@@ -185,7 +188,7 @@ class Window:
         """Begins a frame and waits for it, or for the newer one that has superseded it, as one of newer data in a window that
         follows. Raises GalaxyError unless it is completed."""
         end = None if timeout is None else time.monotonic() + timeout
-        picture = self.wait(self.start(**options), timeout)
+        picture = self.wait(self.start(timeout, **options), end and end - time.monotonic())
         while picture.end["status"] == "superseded":
             picture = self.wait(picture.frame + 1, end and end - time.monotonic())
         if picture.end["status"] != "complete":
@@ -275,6 +278,7 @@ class Client:
     token        text; default: what is in token_file; default: where a server on this machine leaves it, if it does, and an
                  error for other machines
     tenant       for servers that run with --no-token, for which there is token="" (or token_file="-")
+    on_end       called with the reason once the connection has ended, also by close()
     timeout      seconds that connecting, and each answer of the handshake, may take
     on_event     called with each event, a dict
     on_file      called with (request id, dict, bytes) for each picture of a batch to the client
@@ -283,7 +287,8 @@ class Client:
 
     def __init__(self, host: str = "127.0.0.1", port: int = 5001, token: Optional[str] = None, token_file: Optional[str] = None,
                  tenant: str = "user", name: str = "gxy", on_event: Optional[Callable[[dict[str, Any]], None]] = None,
-                 on_file: Optional[Callable[[int, dict[str, Any], bytes], None]] = None, timeout: Optional[float] = 10) -> None:
+                 on_file: Optional[Callable[[int, dict[str, Any], bytes], None]] = None,
+                 on_end: Optional[Callable[[str], None]] = None, timeout: Optional[float] = 10) -> None:
         why_none = None
         if token_file == "-":
             token = ""
@@ -291,10 +296,12 @@ class Client:
             token = read_token(token_file)
         elif token is None:
             token, why_none = _token_for(host, port)
-        self._on_event, self._on_file = on_event, on_file
+        self._on_event, self._on_file, self._on_end = on_event, on_file, on_end
         self._lock = threading.Lock()  # of the five below
-        self._replies, self._next_id, self._ended, self._windows = {}, 1, None, {}
-        self._on_files = {}  # by request, where its file records go
+        self._replies: dict[int, Future[dict[str, Any]]] = {}
+        self._windows: dict[int, Window] = {}
+        self._next_id, self._ended = 1, None
+        self._on_files: dict[int, Callable[..., None]] = {}  # by request, where its file records go
         self._sending = threading.Lock()
         try:
             self._socket = socket.create_connection((host, port), timeout)
@@ -347,7 +354,8 @@ class Client:
         with self._lock:
             if self._ended:
                 raise GalaxyError(f"the connection has ended: {self._ended}")
-            number, reply = self._next_id, Future()
+            number = self._next_id
+            reply: Future[dict[str, Any]] = Future()
             self._next_id = number % 0xFFFFFFFF + 1
             self._replies[number] = reply
             if on_file:
@@ -439,6 +447,8 @@ class Client:
                 reply.set_exception(GalaxyError(f"the connection has ended: {reason}"))
         for window in windows:
             window._fail(f"the connection has ended: {reason}")
+        if self._on_end:
+            self._call(self._on_end, reason)
 
     def _take(self, channel, number, payload):
         if channel == _REPLY:
