@@ -318,7 +318,7 @@ class Graphs(OnRanks):
         view.render()
         graph.pause()
         seeds.isovalue = 0.4
-        with self.assertRaisesRegex(gxy.GalaxyError, "stale: paused"):
+        with self.assertRaisesRegex(gxy.GalaxyError, "is (waiting|stale): paused"):
             view.render()
         graph.run()
         self.assertEqual(view.render().end["revision"], graph.revision)

@@ -283,22 +283,24 @@ class Graph:
 
     def await_node(self, kind: str, name: str, deadline: Deadline, run: bool) -> dict[str, Any]:
         """The state of a node once it is done. With run, it is evaluated also if nothing needs it. Raises GalaxyError if it is not going
-        to be done: it has failed, lacks something, or stays older than the document."""
+        to be done: it has failed, lacks something, or stays older than the document, as in a paused graph."""
         news, idle, idles = self.session.news, None, 0
         try:
             while True:
                 count = news.count
                 is_idle = idle is not None and idle[1].done()
-                state = self._status(self.session.ask("graph.get", self.name), kind, name)
+                told = self.session.ask("graph.get", self.name)
+                state = self._status(told, kind, name)
+                is_stuck = state["state"] == "stale" or (state["state"] == "waiting" and told["paused"])
                 if state["state"] == "done":
                     return state
-                if state["state"] in ("failed", "incomplete", "blocked") or (state["state"] == "stale" and idles > 1):
+                if state["state"] in ("failed", "incomplete", "blocked") or (is_stuck and idles > 1):
                     raise self._problem(state)
                 if run and state["state"] in ("waiting", "stale"):
                     run, idles = False, 0
                     self.session.ask("graph.run", self.name, name)
                     continue
-                if idle is None or (is_idle and state["state"] == "stale"):
+                if idle is None or (is_idle and is_stuck):
                     idle = self._send_wait()
                     idle[1].add_done_callback(news.tell)
                     idles += is_idle
