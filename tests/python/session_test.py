@@ -231,7 +231,7 @@ class Connections(unittest.TestCase):
         graph = session.graph("g")
         graph.live("nothing")
         waits = [session.wait_async("nothing"), graph["nothing"].wait_async(), graph.view(graph.volume("nothing")).render_async(timeout=None)]
-        steps = session.threads.start(lambda: list(gxy.Data(session, "nothing").steps()))
+        steps = session._threads.start(lambda: list(gxy.Data(session, "nothing").steps()))
         with gxy.connect(f"localhost:{server.port}", str(server.token)) as other:
             other.ask("quit")
         for wait in [*waits, steps]:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""wheel_test.py PROGRAMS MPIEXEC...: a wheel is built of python/ without network, installed into an empty folder, and used from there. Without pip,
-setuptools and wheel, which Debian has as python3-pip, python3-setuptools and python3-wheel, it is skipped (status 77)."""
+"""wheel_test.py PROGRAMS MPIEXEC...: a wheel is built of python/ without network, installed into an empty folder, and used from
+there. Without pip, setuptools and wheel, which Debian has as python3-pip, python3-setuptools and python3-wheel, it is skipped (status 77)."""
 import importlib.util
 import os
 import pathlib
@@ -43,8 +43,8 @@ class Wheel(unittest.TestCase):
 
     @classmethod
     def pip(cls, *arguments):
-        done = subprocess.run([sys.executable, "-m", "pip", "--disable-pip-version-check", *arguments], cwd=cls.folder, capture_output=True, text=True,
-                              timeout=200)
+        done = subprocess.run([sys.executable, "-m", "pip", "--disable-pip-version-check", *arguments], cwd=cls.folder,
+                              capture_output=True, text=True, timeout=200)
         assert done.returncode == 0, done.stdout + done.stderr
 
     def run_installed(self, *arguments):

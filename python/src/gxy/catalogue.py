@@ -42,7 +42,7 @@ class Keys:
             return self.key_of[name]
         if not self.properties:
             return name.rstrip("_").replace("_", " ")
-        raise GalaxyError(f"{self.what} has no {name!r}, expected one of: {', '.join(sorted([*self.key_of, *also]))}")
+        raise GalaxyError(f"{self.what} has no {name!r}, expected one of: {', '.join(sorted({*self.key_of, *also}))}")
 
     def default(self, key: str) -> Any:
         """Its value where nothing is said, if that is a value and not only described; else None."""

@@ -8,12 +8,10 @@ from typing import Any, Iterator, Optional
 import numpy as np
 
 from .client import GalaxyError
-from .waiting import Deadline, twin
+from .waiting import FOREVER, Deadline, twin
 
 if typing.TYPE_CHECKING:
     from .session import Session
-
-_FOREVER = 10_000_000  # seconds, the most that the server takes: time limits are those of this side
 
 
 class Data:
@@ -69,7 +67,7 @@ class Data:
 
     def wait(self, generation: Optional[int] = None, timeout: Optional[float] = None) -> Data:
         """Waits until it is there and has at least this generation (default: any). Raises Timeout."""
-        self.session.ask("data.wait", self.name, 1 if generation is None else generation, _FOREVER,
+        self.session.ask("data.wait", self.name, 1 if generation is None else generation, FOREVER,
                          timeout=timeout, limited=False)
         return self
 
@@ -83,7 +81,7 @@ class Data:
         seen: Optional[tuple[tuple[int, int], ...]] = None
         deadline = Deadline(timeout)
         while True:
-            count = session.news.count
+            count = session._news.count
             streams = {stream["name"] for stream in session.ask("insitu.streams")["streams"]}
             if seen is not None or self.name in session:
                 info = self.info
@@ -94,7 +92,7 @@ class Data:
                     continue
                 if "stream" in info and info["stream"] not in streams:
                     return
-            session.news.wait(count, deadline, f'dataset "{self.name}": no newer step')
+            session._news.wait(count, deadline, f'dataset "{self.name}": no newer step')
 
     def export(self, file: str, timeout: Optional[float] = None) -> str:
         """Writes it to a file in a --data folder of the server; the file's name there. The ending says the format: .vti, .vtu,

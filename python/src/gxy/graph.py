@@ -13,15 +13,12 @@ from .client import GalaxyError
 from .data import Data
 from .nodes import Node
 from .view import View, write_document
-from .waiting import Deadline, twin
+from .waiting import FOREVER, twin
 
 if typing.TYPE_CHECKING:
-    from concurrent.futures import Future
-
     from .session import Session
 
 _SECTIONS = ("Datasets", "Visualizations", "Operators", "Outputs")
-_FOREVER = 10_000_000  # seconds, the most that the server takes: time limits are those of this side
 _MAPS = ("colormap", "transfer function", "opacitymap", "extinctionmap")
 _RADII = ("radius", "radius0", "radius1", "value0", "value1")
 _Source = Union[str, Data, Node]
@@ -122,9 +119,9 @@ class Graph:
 
     def _method(self, filter: Filter) -> Callable[..., Node]:
         def make(*positional: Any, name: Optional[str] = None, inputs: Optional[dict[str, Any]] = None, **keywords: Any) -> Node:
-            found, properties = filter.entry(positional, inputs, keywords, self.is_data)
+            found, properties = filter.entry(positional, inputs, keywords, self._is_data)
             sources = [data for value in found.values() for data in (value if isinstance(value, (list, tuple)) else [value])]
-            entry = {"filter": filter.type, "inputs": {key: self.name_of(value) for key, value in found.items()}, **properties}
+            entry = {"filter": filter.type, "inputs": {key: self._name_of(value) for key, value in found.items()}, **properties}
             return self._add("Datasets", name, filter.name, entry, sources)
 
         make.__name__ = make.__qualname__ = filter.name
@@ -157,7 +154,7 @@ class Graph:
     def _look(self, type: str, data: _Source, name: Optional[str], keys: dict[str, Any]) -> Node:
         from .catalogue import snake
         known = self.session.catalogue.look(type)
-        entry: dict[str, Any] = {"type": type, "dataset": self.name_of(data)}
+        entry: dict[str, Any] = {"type": type, "dataset": self._name_of(data)}
         entry.update({known.key(key): value for key, value in keys.items()})
         if type == "Volume" and not any(key in entry for key in ("volume rendering", "isovalues", "slices", "plane")):
             entry["volume rendering"] = True
@@ -169,8 +166,12 @@ class Graph:
 
     def view(self, *looks: Union[str, Node], name: Optional[str] = None, camera: Optional[dict[str, Any]] = None,
              size: Optional[tuple[int, int]] = None, **keys: Any) -> View:
-        """A view of looks, which a window can show. camera: as in `Cameras` of docs/state-file.md; without one all data are seen. size:
-        (width, height) in pixels. More keys: Lighting, follow, show, annotation."""
+        """A view of looks, which a window can show.
+
+        camera: as in `Cameras` of docs/state-file.md; without one all data are seen.
+        size: (width, height) in pixels.
+        keys: more keys of a view (docs/graph.md): Lighting, follow, show, annotation.
+        """
         known = self.session.catalogue.view()
         entry: dict[str, Any] = {"operators": [look if isinstance(look, str) else look.name for look in looks]}
         entry.update({key: value for key, value in (("camera", camera), ("size", size)) if value is not None})
@@ -181,7 +182,7 @@ class Graph:
 
     def output(self, type: str, of: _Source, to: str, name: Optional[str] = None) -> Node:
         """Something that the server makes of each step: a "Data file", "Pictures" of a view, or "Publish", another name of a dataset."""
-        return self._add("Outputs", name, "output", {"type": type, "of": self.name_of(of), "to": to}, [of])
+        return self._add("Outputs", name, "output", {"type": type, "of": self._name_of(of), "to": to}, [of])
 
     def _add(self, section: str, name: Optional[str], base: str, entry: dict[str, Any], sources: typing.Iterable[Any]) -> Node:
         """Adds an entry, with live datasets for those of the session that it uses; an entry of this name is replaced."""
@@ -221,7 +222,7 @@ class Graph:
     def _taken(self, document: dict[str, Any], section: str) -> list[str]:
         return [*_names(document, section), *self._pending(section)]
 
-    def entry_for(self, node: Node) -> dict[str, Any]:
+    def _entry_for(self, node: Node) -> dict[str, Any]:
         """The node's entry, also of one that edits() is about to add."""
         for edit in getattr(self._batch, "edits", None) or []:
             if edit.get("add") == [node.section] and edit["to"]["name"] == node.name:
@@ -229,15 +230,15 @@ class Graph:
         return node.entry
 
     @staticmethod
-    def is_data(value: Any) -> bool:
+    def _is_data(value: Any) -> bool:
         """Whether a value of a call is a dataset, or a list of these."""
         several = value if isinstance(value, (list, tuple)) else [value]
         return len(several) > 0 and all(isinstance(one, (Data, Node)) for one in several)
 
-    def name_of(self, source: Any) -> Any:
+    def _name_of(self, source: Any) -> Any:
         """The name that the document has for a dataset, or their list."""
         if isinstance(source, (list, tuple)):
-            return [self.name_of(one) for one in source]
+            return [self._name_of(one) for one in source]
         if isinstance(source, Node) and source.graph != self:
             raise GalaxyError(f'node "{source.name}" is of graph "{source.graph.name}", expected one of "{self.name}", or its `data`')
         if not isinstance(source, (str, Data, Node)):
@@ -245,16 +246,6 @@ class Graph:
         return source if isinstance(source, str) else source.name
 
     # Evaluation
-
-    def status(self, kind: str, name: str) -> dict[str, Any]:
-        """The state of a node of this kind: dataset, view or output."""
-        return self._status(self.session.ask("graph.get", self.name), kind, name)
-
-    def _status(self, told: dict[str, Any], kind: str, name: str) -> dict[str, Any]:
-        for node in told["nodes"]:
-            if (node["kind"], node["node"]) == (kind, name):
-                return node
-        raise GalaxyError(f'graph "{self.name}": no {kind or "state of"} "{name}"', node=name)
 
     def run(self, node: Union[None, str, Node] = None) -> None:
         """Evaluates all nodes once, or one with what it needs, with the newest data; also what has failed. It does not wait."""
@@ -274,60 +265,12 @@ class Graph:
 
     def wait(self, timeout: Optional[float] = None) -> Graph:
         """Waits until nothing of it is being evaluated. Raises Timeout."""
-        self.session.ask("graph.wait", self.name, _FOREVER, timeout=timeout, limited=False)
+        self.session.ask("graph.wait", self.name, FOREVER, timeout=timeout, limited=False)
         return self
 
     def drop(self) -> None:
         """The server forgets it, and what it has made."""
         self.session.ask("graph.drop", self.name)
-
-    def await_node(self, kind: str, name: str, deadline: Deadline, run: bool) -> dict[str, Any]:
-        """The state of a node once it is done. With run, it is evaluated also if nothing needs it. Raises GalaxyError if it is not going
-        to be done: it has failed, lacks something, or stays older than the document, as in a paused graph."""
-        news, idle, idles = self.session.news, None, 0
-        try:
-            while True:
-                count = news.count
-                is_idle = idle is not None and idle[1].done()
-                told = self.session.ask("graph.get", self.name)
-                state = self._status(told, kind, name)
-                is_stuck = state["state"] == "stale" or (state["state"] == "waiting" and told["paused"])
-                if state["state"] == "done":
-                    return state
-                if state["state"] in ("failed", "incomplete", "blocked") or (is_stuck and idles > 1):
-                    raise self._problem(state)
-                if run and state["state"] in ("waiting", "stale"):
-                    run, idles = False, 0
-                    self.session.ask("graph.run", self.name, name)
-                    continue
-                if idle is None or (is_idle and is_stuck):
-                    idle = self._send_wait()
-                    idle[1].add_done_callback(news.tell)
-                    idles += is_idle
-                news.wait(count, deadline, f'graph "{self.name}": {kind} "{name}" is {state["state"]}, {state.get("text") or "not done"},')
-        finally:
-            if idle is not None and not idle[1].done():
-                with contextlib.suppress(GalaxyError):  # whose error is known already
-                    self.session.client.send(f"cancel {idle[0]}")
-
-    def _send_wait(self) -> tuple[int, Future[dict[str, Any]]]:
-        from .session import statement
-        return self.session.client.send(statement("graph.wait", self.name, _FOREVER))
-
-    def _problem(self, state: dict[str, Any]) -> GalaxyError:
-        """The error of a node, which is that of the node that has caused it."""
-        told = state
-        for _ in range(1000):  # nodes that are blocked by each other are no circle, but names may change meanwhile
-            if told["state"] != "blocked" or "by" not in told:
-                break
-            try:
-                told = self.status("dataset", told["by"])
-            except GalaxyError:
-                break
-        section = {"dataset": "Datasets", "view": "Visualizations", "output": "Outputs"}[told["kind"]]
-        text = told.get("text") or f"it needs \"{told.get('by', '')}\""
-        return GalaxyError(f'graph "{self.name}": {told["kind"]} "{told["node"]}" is {told["state"]}: {text}', node=told["node"],
-                           path=[section, told["node"]], rank=told.get("rank"))
 
     wait_async = twin(wait)
 

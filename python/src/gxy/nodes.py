@@ -8,14 +8,12 @@ from typing import Any, Optional
 from .catalogue import Filter, Keys
 from .client import GalaxyError
 from .data import Data
+from .evaluation import await_node, kind_of, status
 from .waiting import Deadline, twin
 
 if typing.TYPE_CHECKING:
     from .graph import Graph
     from .session import Session
-
-KINDS = {"Datasets": "dataset", "Visualizations": "view", "Outputs": "output"}
-
 
 class Node:
     """A dataset, look, view or output of a graph, by its name.
@@ -54,9 +52,9 @@ class Node:
     @property
     def entry(self) -> dict[str, Any]:
         """What the document says of it now; a copy."""
-        return self.entry_of(self._graph.document)
+        return self._entry_of(self._graph.document)
 
-    def entry_of(self, document: dict[str, Any]) -> dict[str, Any]:
+    def _entry_of(self, document: dict[str, Any]) -> dict[str, Any]:
         """What a document says of it."""
         for entry in document.get(self._section, []):
             if entry.get("name", entry.get("to")) == self._name:
@@ -66,7 +64,7 @@ class Node:
     @property
     def status(self) -> dict[str, Any]:
         """What the server tells of its evaluation (docs/graph.md, states). Looks have none."""
-        return self._graph.status(KINDS.get(self._section, ""), self._name)
+        return status(self._graph, kind_of(self._section), self._name)
 
     @property
     def state(self) -> str:
@@ -76,8 +74,8 @@ class Node:
     @property
     def error(self) -> Optional[str]:
         """Why it cannot be made: what has failed, what is missing or not there; else None."""
-        status = self.status
-        return status.get("text", "") if status["state"] in ("failed", "incomplete", "blocked") else None
+        told = self.status
+        return told.get("text", "") if told["state"] in ("failed", "incomplete", "blocked") else None
 
     @property
     def told(self) -> dict[str, Any]:
@@ -95,7 +93,7 @@ class Node:
 
     def wait(self, timeout: Optional[float] = None) -> Node:
         """Has it made of the newest data, and waits for that. Raises GalaxyError, with `node`, if that fails, and Timeout."""
-        self._graph.await_node(KINDS.get(self._section, ""), self._name, Deadline(timeout), run=True)
+        await_node(self._graph, kind_of(self._section), self._name, Deadline(timeout), run=True)
         return self
 
     def rename(self, name: str) -> None:
@@ -135,11 +133,11 @@ class Node:
                 raise AttributeError(f"{name!r} of a node cannot be set")
             object.__setattr__(self, name, value)
             return
-        entry = self._graph.entry_for(self)
+        entry = self._graph._entry_for(self)
         filter = self._filter(entry)
         if filter and (filter.is_input(name) or name in entry.get("inputs", {})) and (
-                name not in filter.keys.key_of or self._graph.is_data(value)):
-            self._set(["inputs", name], None if value is None else self._graph.name_of(value))
+                name not in filter.keys.key_of or self._graph._is_data(value)):
+            self._set(["inputs", name], None if value is None else self._graph._name_of(value))
         else:
             self._set([self._key(entry, name)], value)
 

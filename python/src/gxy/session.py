@@ -50,19 +50,18 @@ class Session:
                  timeout: float = 10) -> None:
         self._host, self._port = split_address(address or "localhost:5001")
         self._token_file, self._tenant, self._timeout = token_file, tenant, timeout
-        self.session = self
-        self.news = News()
-        self.threads = Threads()
-        self.shown: dict[tuple[str, str], Any] = {}  # windows by graph and view; view.py
-        self.windows = 0  # how many were ever opened
-        self.lock = threading.Lock()  # of the two above and the two below
+        self._news = News()
+        self._threads = Threads()
+        self._shown: dict[tuple[str, str], Any] = {}  # windows by graph and view; view.py
+        self._windows = 0  # how many were ever opened
+        self._lock = threading.Lock()  # of the two above and the two below
         self._loaded: set[str] = set()
         self._callbacks: list[tuple[Callable[[dict[str, Any]], None], Optional[str]]] = []
         self._events: queue.SimpleQueue[Optional[dict[str, Any]]] = queue.SimpleQueue()
         self._caller: Optional[threading.Thread] = None
         self._catalogue: Optional[Catalogue] = None
         self.client = Client(self._host, self._port, token_file=token_file, tenant=tenant, name=name, timeout=timeout,
-                             on_event=self._hear, on_end=self.news.tell)
+                             on_event=self._hear, on_end=self._news.tell)
 
     def __enter__(self) -> Session:
         return self
@@ -73,25 +72,26 @@ class Session:
     def close(self) -> None:
         """Ends the connection and all threads of the session. The server keeps data and graphs. It may be called again."""
         self.client.close()
-        with self.lock:
+        with self._lock:
             caller, self._caller = self._caller, None
         if caller:
             self._events.put(None)
             if caller is not threading.current_thread():
                 caller.join()
-        self.threads.join()
+        self._threads.join()
 
     # Requests
 
     def ask(self, verb: str, *words: Union[str, int], value: Any = None, timeout: Optional[float] = None,
             limited: bool = True) -> dict[str, Any]:
-        """A request to the server: after the verb (and its keywords, as "data.list all") come words, such as names, and a JSON value. The reply's object. Loads the module that the verb names.
-        Without a timeout it is that of connect(); with limited=False it is none."""
+        """Asks the server something (docs/protocol.md): the verb, perhaps with keywords as "data.list all", then words such as names,
+        then a JSON value. The reply's object. Loads the verb's module. Without a timeout that of connect() holds; with
+        limited=False none."""
         limit = self._timeout if timeout is None and limited else timeout
-        self.load_module_of(verb)
+        self._load_module_of(verb)
         return self.client.request(statement(verb, *words, value=value), limit)
 
-    def load_module_of(self, verb: str) -> None:
+    def _load_module_of(self, verb: str) -> None:
         module = verb.partition(".")[0]
         if module in _MODULES and module not in self._loaded:
             self.client.request(f"load {module}", self._timeout)
@@ -220,32 +220,32 @@ class Session:
         server tells those of graphs that were watched, and of data that were observed. Callbacks are called one after the
         other on a thread of their own, so they may use the session; what they raise is logged. Returns a function that ends it."""
         entry = (callback, event)
-        with self.lock:
+        with self._lock:
             self._callbacks.append(entry)
             if self._caller is None:
                 self._caller = threading.Thread(target=self._call, name="gxy callbacks", daemon=True)
                 self._caller.start()
 
         def off() -> None:
-            with self.lock:
+            with self._lock:
                 if entry in self._callbacks:
                     self._callbacks.remove(entry)
 
         return off
 
     def _hear(self, event: dict[str, Any]) -> None:
-        with self.lock:
+        with self._lock:
             wanted = bool(self._callbacks)
             for graph, view in _gone(event):
-                for key, shown in self.shown.items():
+                for key, shown in self._shown.items():
                     shown.is_gone = shown.is_gone or (key[0] == graph and view in (None, key[1]))
         if wanted:
             self._events.put(event)
-        self.news.tell()
+        self._news.tell()
 
     def _call(self) -> None:
         while (event := self._events.get()) is not None:
-            with self.lock:
+            with self._lock:
                 callbacks = [callback for callback, kind in self._callbacks if kind in (None, event.get("event"))]
             for callback in callbacks:
                 try:

@@ -10,6 +10,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from .client import GalaxyError, Timeout, Window
+from .evaluation import await_node
 from .nodes import Node
 from .picture import Picture
 from .waiting import Deadline, twin
@@ -75,7 +76,7 @@ class View(Node):
         self._set(["camera"], camera)
 
     def _camera_of(self, window: Window, deadline: Deadline) -> dict[str, Any]:
-        self.graph.await_node("view", self.name, deadline, run=False)
+        await_node(self.graph, "view", self.name, deadline, run=False)
         return self.session.ask("viewer.camera", window.number, timeout=deadline.left())["Camera"]
 
     def render(self, size: Optional[tuple[int, int]] = None, passes: int = 1, camera: Optional[dict[str, Any]] = None,
@@ -96,7 +97,7 @@ class View(Node):
         shown = self._shown()
         with shown.lock:
             window = self._window(shown, size, camera is not None, deadline)
-            self.graph.await_node("view", self.name, deadline, run=False)
+            await_node(self.graph, "view", self.name, deadline, run=False)
             try:
                 picture = window.render(deadline.left(), **options)
             except Timeout:
@@ -127,22 +128,22 @@ class View(Node):
         deadline, shown = Deadline(timeout), self._shown()
         with shown.lock:
             self._window(shown, shown.size, shown.turned, deadline)
-            self.graph.await_node("view", self.name, deadline, run=False)
+            await_node(self.graph, "view", self.name, deadline, run=False)
         return self
 
     def close(self) -> None:
         """Closes the server's window on it. What only this window needed is made no more. It may be called again."""
         session = self.session
-        with session.lock:
-            shown = session.shown.get((self.graph.name, self.name))
+        with session._lock:
+            shown = session._shown.get((self.graph.name, self.name))
         if shown:
             with shown.lock:
                 self._close(shown)
 
     def _shown(self) -> _Shown:
         session = self.session
-        with session.lock:
-            shown: _Shown = session.shown.setdefault((self.graph.name, self.name), _Shown())
+        with session._lock:
+            shown: _Shown = session._shown.setdefault((self.graph.name, self.name), _Shown())
             return shown
 
     def _window(self, shown: _Shown, size: Optional[tuple[int, int]], turned: bool, deadline: Deadline) -> Window:
@@ -150,7 +151,7 @@ class View(Node):
         document may be a new one."""
         told = self.session.ask("graph.get", self.graph.name)
         document, revision = told["document"], told["revision"]
-        entry = self.entry_of(document)
+        entry = self._entry_of(document)
         size = size or _size(document, entry)
         is_older = shown.revision != revision and _asks_data(document, entry)
         if shown.is_gone or is_older or (shown.turned and not turned):
@@ -170,9 +171,9 @@ class View(Node):
 
     def _free_number(self) -> int:
         session = self.session
-        with session.lock:
-            session.windows += 1
-            return session.windows
+        with session._lock:
+            session._windows += 1
+            return session._windows
 
     def _close(self, shown: _Shown) -> None:
         if shown.window is not None:

@@ -11,6 +11,7 @@ from typing import Any, Callable, Optional, TypeVar
 from .client import Timeout
 
 _T = TypeVar("_T")
+FOREVER = 10_000_000  # seconds, the most that the server takes: time limits are those of this side
 
 
 class Deadline:
@@ -85,11 +86,11 @@ class Threads:
 
 
 def twin(method: Callable[..., _T]) -> Callable[..., Future[_T]]:
-    """The method as one that returns a Future at once. Its object has a `session`."""
+    """The method as one that returns a Future at once. Its object is a session, or has one."""
 
     @functools.wraps(method)
     def start(self: Any, *arguments: Any, **keywords: Any) -> Future[_T]:
-        future: Future[_T] = self.session.threads.start(method, self, *arguments, **keywords)
+        future: Future[_T] = getattr(self, "session", self)._threads.start(method, self, *arguments, **keywords)
         return future
 
     start.__doc__ = f"As {method.__name__}(), but returns a concurrent.futures.Future of its result at once."
