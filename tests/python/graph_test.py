@@ -8,6 +8,7 @@ import unittest
 import numpy as np
 
 from galaxy_case import OnRanks, gxy, main
+from gxy.catalogue import Catalogue, argument, snake
 
 CAMERA = {"viewpoint": [2.2, 2.6, 3.6], "viewcenter": [0, -0.1, 0], "viewup": [0, 1, 0], "aov": 38, "dimensions": [160, 120]}
 
@@ -347,6 +348,37 @@ class Graphs(OnRanks):
         self.session.wait("points", timeout=60)
         self.assertEqual(self.session["points"].type, "Particles")
         self.assertEqual(output.wait(60).state, "done")
+
+
+class Catalogues(unittest.TestCase):
+    """What is made of a description; one that tells the keys of looks, too."""
+
+    TOLD = {"filters": [], "sections": [
+        {"section": "operator", "keys": [
+            {"key": "type", "required": True, "type": "text", "default": "", "help": ""},
+            {"key": "two sided", "required": False, "type": "true or false", "default": "`true`", "help": ""},
+            {"key": "isovalues", "required": False, "type": "list of numbers", "default": "none", "help": "", "types": ["Volume"]},
+            {"key": "colormap", "aliases": ["transfer function"], "required": False, "type": "text", "default": "", "help": ""}]},
+        {"section": "visualization", "keys": [{"key": "Lighting", "required": False, "type": "lighting", "default": "-", "help": ""}]}]}
+
+    def test_keys_of_looks_and_views_are_checked_where_the_server_tells_them(self):
+        catalogue = Catalogue(self.TOLD)
+        volume, lines = catalogue.look("Volume"), catalogue.look("PathLines")
+        self.assertEqual([volume.key(name) for name in ("isovalues", "two_sided", "transfer_function")], ["isovalues", "two sided", "colormap"])
+        self.assertEqual((volume.default("two sided"), volume.default("isovalues")), (True, None))
+        with self.assertRaisesRegex(gxy.GalaxyError, "a look of type PathLines has no 'isovalues', expected one of: colormap, transfer_"):
+            lines.key("isovalues")
+        self.assertEqual([catalogue.view().key(name) for name in ("Lighting", "follow")], ["Lighting", "follow"])
+        with self.assertRaisesRegex(gxy.GalaxyError, "a view has no 'colour', expected one of: Lighting, camera"):
+            catalogue.view().key("colour")
+
+    def test_without_a_description_any_key_is_taken(self):
+        catalogue = Catalogue({"filters": []})
+        self.assertEqual([catalogue.look("Volume").key(name) for name in ("data_range", "isovalues")], ["data range", "isovalues"])
+
+    def test_names_are_those_of_python(self):
+        self.assertEqual([snake(name) for name in ("IsosurfaceSampler", "PathLines", "Derive")], ["isosurface_sampler", "path_lines", "derive"])
+        self.assertEqual([argument(key) for key in ("minimum speed", "from", "count")], ["minimum_speed", "from_", "count"])
 
 
 class OnOneRank(Graphs, unittest.TestCase):
