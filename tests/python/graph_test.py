@@ -53,6 +53,11 @@ class Graphs(OnRanks):
         turned = view.render(size=(64, 48), camera={**CAMERA, "viewpoint": [-3, 1, 3]})
         self.assertEqual(turned.array.shape, (48, 64, 4))
         np.testing.assert_array_equal(view.render().array, first.array)
+        # What notebooks show.
+        self.assertEqual(view._repr_png_(), first._repr_png_())
+        self.assertEqual(first.png()[:8], b"\x89PNG\r\n\x1a\n")
+        with self.assertRaisesRegex(gxy.GalaxyError, "a.jpg: expected a name that ends with .png"):
+            first.save("a.jpg")
 
     def test_a_view_without_a_camera_shows_what_gxyrender_shows(self):
         graph = self.session.graph("g")
@@ -60,6 +65,22 @@ class Graphs(OnRanks):
         picture = view.render()
         self.assertEqual(picture.size, (90, 70))
         self.assert_same_picture(picture, self.render_saved(view, ["eightBalls"]))
+
+    def test_looks_without_keys_go_with_the_range_of_the_data(self):
+        self.session.put("far.f", 300 + np.linspace(0, 50, 24 ** 3).reshape(24, 24, 24), origin=(-1, -1, -1), spacing=2 / 23)
+        graph = self.session.graph("g")
+        far = self.session["far.f"]
+        points = graph.seeds(far, count=20, shape="box")
+        looks = [graph.volume(far, colormap="Viridis"), graph.particles(points), graph.volume(far, isovalues=[330]),
+                 graph.volume(far, opacitymap=[[300, 0], [350, 1]], volume_rendering=True)]
+        self.assertEqual([look.entry.get("data range") for look in looks], ["data", "data", "data", None])
+        self.assertEqual([look.entry.get("radius") for look in looks], [None, "auto", None, None])
+        pictures = [graph.view(look, size=(40, 30)).render().array for look in looks]
+        # What is rendered is neither invisible nor opaque, and has several colours.
+        seen = pictures[0][..., :3].reshape(-1, 3)
+        self.assertGreater(len(np.unique(seen, axis=0)), 50)
+        for picture in pictures:
+            self.assertGreater(np.ptp(picture[..., :3]), 30)
 
     def test_a_camera_that_is_set_is_everybodys(self):
         graph, _, view = self.figure_1()
@@ -214,6 +235,8 @@ class Graphs(OnRanks):
             seeds.isovalu
         with self.assertRaisesRegex(gxy.GalaxyError, "expected a node, a dataset of the session, or a name"):
             graph.particles(7)
+        with self.assertRaisesRegex(gxy.GalaxyError, "found <Node .*seeds.*, expected a look of graph"):
+            graph.view(seeds)
         with self.assertRaisesRegex(gxy.GalaxyError, "of graph \"other\", expected one of \"fig1\""):
             graph.particles(self.session.graph("other").seeds(density))
         with self.assertRaisesRegex(gxy.GalaxyError, 'no node "nothing", expected one of .*seeds'):

@@ -8,7 +8,7 @@ import threading
 import typing
 from typing import Any, Callable, Iterator, Optional, Union
 
-from .catalogue import Filter
+from .catalogue import Filter, snake
 from .client import GalaxyError
 from .data import Data
 from .nodes import Node
@@ -102,8 +102,8 @@ class Graph:
         return iter(self.nodes)
 
     def save(self, file: Union[str, os.PathLike[str]]) -> None:
-        """Writes the document to a state file of this machine, which Session.load(), gxyviewer and gxyrender read. The latter know no cameras of
-        views: View.save() writes a file for their picture."""
+        """Writes the document to a state file of this machine, which Session.load() reads, and other programs of Galaxy, too. These know
+        no cameras of views: View.save() writes a file for their picture."""
         write_document(file, self.document)
 
     # Nodes that are made
@@ -131,12 +131,15 @@ class Graph:
 
     def live(self, name: str, type: str = "Volume") -> Node:
         """A dataset that the server's data space has under this name, now or later, as that of a simulation."""
+        entry = next((entry for entry in self.document.get("Datasets", []) if entry.get("name") == name), {"filter": ""})
+        if "filter" not in entry and "filename" not in entry:
+            return Node(self, "Datasets", name)  # it is there already
         return self._add("Datasets", name, name, {"type": type}, ())
 
     def volume(self, data: _Source, *, name: Optional[str] = None, **keys: Any) -> Node:
         """A look at a volume. The keys are those of an operator of docs/state-file.md with "_" for " ", such as isovalues=[0.5],
-        slices=[(0, 0, 1, 0.2)], colormap="Viridis". Without isovalues and slices the volume itself is rendered. Without a map of
-        its own values, colours are spread over the range of the data."""
+        slices=[(0, 0, 1, 0.2)], colormap="Viridis". Without isovalues and slices the volume itself is rendered. Without maps of
+        values of one's own, colours, and the opacity of what is rendered, go with the range of the data."""
         return self._look("Volume", data, name, keys)
 
     def particles(self, data: _Source, *, name: Optional[str] = None, **keys: Any) -> Node:
@@ -152,7 +155,6 @@ class Graph:
         return self._look("Triangles", data, name, keys)
 
     def _look(self, type: str, data: _Source, name: Optional[str], keys: dict[str, Any]) -> Node:
-        from .catalogue import snake
         known = self.session.catalogue.look(type)
         entry: dict[str, Any] = {"type": type, "dataset": self._name_of(data)}
         entry.update({known.key(key): value for key, value in keys.items()})
@@ -162,6 +164,8 @@ class Graph:
             entry["radius"] = "auto"
         if not any(key == "data range" or (key in _MAPS and not isinstance(entry[key], str)) for key in entry):
             entry["data range"] = "data"
+            if entry.get("volume rendering"):
+                entry["opacitymap"] = [[0, 0], [1, 0.1]]  # of that range
         return self._add("Operators", name, snake(type), entry, [data])
 
     def view(self, *looks: Union[str, Node], name: Optional[str] = None, camera: Optional[dict[str, Any]] = None,
@@ -173,6 +177,9 @@ class Graph:
         keys: more keys of a view (docs/graph.md): Lighting, follow, show, annotation.
         """
         known = self.session.catalogue.view()
+        for look in looks:
+            if not isinstance(look, str) and not (isinstance(look, Node) and look.section == "Operators" and look.graph == self):
+                raise GalaxyError(f'found {look!r}, expected a look of graph "{self.name}", as particles() returns it')
         entry: dict[str, Any] = {"operators": [look if isinstance(look, str) else look.name for look in looks]}
         entry.update({key: value for key, value in (("camera", camera), ("size", size)) if value is not None})
         entry.update({known.key(key): value for key, value in keys.items()})
@@ -190,14 +197,16 @@ class Graph:
             document = self.document
             chosen = name or _free(base, self._taken(document, section))
             edits = self._live(document, sources)
+            live = [edit["to"]["name"] for edit in edits]
             whole = {"name": chosen, **entry}
             there = chosen in self._taken(document, section)
             edits.append({"set": [section, chosen], "to": whole} if there else {"add": [section], "to": whole})
             try:
                 self.edit(edits)
             except GalaxyError:
-                if name is None and chosen in _names(self.document, section):
-                    continue  # somebody else has taken the name meanwhile
+                now = self.document
+                if (name is None and chosen in _names(now, section)) or any(one in _names(now, "Datasets") for one in live):
+                    continue  # somebody else has taken a name meanwhile
                 raise
             return (View if section == "Visualizations" else Node)(self, section, chosen)
 

@@ -32,9 +32,9 @@ class Picture:
         return client.png(self.array[::-1])
 
     def save(self, path: Union[str, os.PathLike[str]]) -> None:
-        """Writes a PNG file. Raises ValueError for a name that does not end with .png, and OSError."""
+        """Writes a PNG file. Raises GalaxyError for a name that does not end with .png, and OSError."""
         if not os.fspath(path).lower().endswith(".png"):
-            raise ValueError(f"{os.fspath(path)}: expected a name that ends with .png")
+            raise client.GalaxyError(f"{os.fspath(path)}: expected a name that ends with .png")
         with open(path, "wb") as file:
             file.write(self.png())
 
