@@ -68,13 +68,12 @@ class Threads:
                 future.set_result(function(*arguments, **keywords))
             except BaseException as e:  # whoever has the Future is told
                 future.set_exception(e)
-            with self._lock:
-                self._running.discard(threading.current_thread())
 
         thread = threading.Thread(target=run, name=f"gxy {getattr(function, '__name__', 'call')}", daemon=True)
         with self._lock:
+            self._running = {other for other in self._running if other.is_alive()}
             self._running.add(thread)
-        thread.start()
+            thread.start()
         return future
 
     def join(self) -> None:
