@@ -52,7 +52,10 @@ class Graphs(OnRanks):
         # Another size and camera for one picture only.
         turned = view.render(size=(64, 48), camera={**CAMERA, "viewpoint": [-3, 1, 3]})
         self.assertEqual(turned.array.shape, (48, 64, 4))
+        np.testing.assert_array_equal(view.render(camera={**CAMERA, "viewcenter": np.array(CAMERA["viewcenter"])}).array, first.array)
         np.testing.assert_array_equal(view.render().array, first.array)
+        with self.assertRaisesRegex(gxy.GalaxyError, "cannot be rendered: .*passes"):
+            view.render(passes=0)
         # What notebooks show.
         self.assertEqual(view._repr_png_(), first._repr_png_())
         self.assertEqual(first.png()[:8], b"\x89PNG\r\n\x1a\n")

@@ -7,6 +7,7 @@ import typing
 from typing import Any
 
 from .client import GalaxyError
+from .statements import statement
 from .waiting import FOREVER, Deadline
 
 if typing.TYPE_CHECKING:
@@ -33,7 +34,6 @@ class _Idle:
     """Asks the server to tell when nothing of the graph is being evaluated any more."""
 
     def __init__(self, graph: Graph) -> None:
-        from .session import statement
         self._client = graph.session.client
         self._number, self._reply = self._client.send(statement("graph.wait", graph.name, FOREVER))
         self._reply.add_done_callback(graph.session._news.tell)

@@ -12,6 +12,7 @@ from .catalogue import Filter, snake
 from .client import GalaxyError
 from .data import Data
 from .nodes import Node
+from .statements import warn
 from .view import View, write_document
 from .waiting import FOREVER, twin
 
@@ -57,7 +58,6 @@ class Graph:
         if batch is not None:
             batch.extend(edits)
             return {}
-        from .session import warn
         reply = self.session.ask("graph.edit", self.name, value={"edits": edits, **({"live": True} if live else {})})
         warn(reply)
         return reply

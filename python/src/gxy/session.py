@@ -7,17 +7,19 @@ import logging
 import os
 import queue
 import threading
-import warnings
+import typing
 from pathlib import PurePath
 from typing import Any, Callable, Iterator, Optional, Union
-
-import numpy as np
 
 from .catalogue import Catalogue
 from .client import Client, GalaxyError, split_address
 from .data import Data
 from .graph import Graph
+from .statements import statement, warn
 from .waiting import Deadline, News, Threads, twin
+
+if typing.TYPE_CHECKING:
+    import numpy as np
 
 _Path = Union[str, "os.PathLike[str]"]
 _MODULES = ("analysis", "data", "graph", "insitu", "viewer")
@@ -270,28 +272,3 @@ def _gone(event: dict[str, Any]) -> list[tuple[str, Optional[str]]]:
         return [(event["graph"], None)]
     renamed = (edit["rename"] for edit in event.get("edits", []) if "rename" in edit)
     return [(event["graph"], path[1]) for path in renamed if path[0] == "Visualizations"]
-
-
-def statement(verb: str, *words: Union[str, int], value: Any = None) -> str:
-    """The text of a request."""
-    parts = [verb, *(json.dumps(word) for word in words)]
-    return " ".join(parts if value is None else [*parts, encode(value)])
-
-
-def encode(value: Any) -> str:
-    """JSON, also of NumPy's numbers and arrays."""
-    def plain(other: Any) -> Any:
-        if isinstance(other, (np.generic, np.ndarray)):
-            return other.tolist()
-        raise TypeError(f"found {type(other).__name__}")
-
-    try:
-        return json.dumps(value, default=plain, allow_nan=False)
-    except (TypeError, ValueError) as e:
-        raise GalaxyError(f"{e}; expected what JSON has: finite numbers, texts, true or false, lists, dicts") from None
-
-
-def warn(reply: dict[str, Any]) -> None:
-    """What the server warns of becomes a warning of Python."""
-    for text in reply.get("warnings", []):
-        warnings.warn(text, stacklevel=3)

@@ -2,10 +2,11 @@
 """Views of a graph, and pictures of them."""
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import threading
-from typing import Any, Optional, Union
+from typing import Any, Iterator, Optional, Union
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from .client import GalaxyError, Timeout, Window
 from .evaluation import await_node
 from .nodes import Node
 from .picture import Picture
+from .statements import plain
 from .waiting import Deadline, twin
 
 
@@ -47,12 +49,24 @@ class _Shown:
     """The server's window on one view. While it is there, the server keeps ready what the view shows."""
 
     def __init__(self) -> None:
-        self.lock = threading.Lock()  # one picture at a time
+        self._lock = threading.Lock()  # one picture at a time
         self.window: Optional[Window] = None
         self.size: Optional[tuple[int, int]] = None
         self.revision = 0  # of the document that it was opened for
         self.turned = False  # whether its camera is another than the view's
         self.is_gone = False  # whether it shows something else by now: the graph was dropped, or the view renamed
+
+
+    @contextlib.contextmanager
+    def taken(self, deadline: Deadline) -> Iterator[None]:
+        """For one thread alone."""
+        left = deadline.left()
+        if not self._lock.acquire(timeout=-1 if left is None else left):
+            raise Timeout(f"another picture of the view is still made after {deadline.timeout:g} s")
+        try:
+            yield
+        finally:
+            self._lock.release()
 
 
 class View(Node):
@@ -68,7 +82,7 @@ class View(Node):
             return entry["camera"]
         deadline = Deadline(60)
         shown = self._shown()
-        with shown.lock:
+        with shown.taken(deadline):
             return self._camera_of(self._window(shown, None, False, deadline), deadline)
 
     @camera.setter
@@ -81,8 +95,8 @@ class View(Node):
 
     def render(self, size: Optional[tuple[int, int]] = None, passes: int = 1, camera: Optional[dict[str, Any]] = None,
                timeout: Optional[float] = 60) -> Picture:
-        """A picture of the newest document and data; waits until the filters that it needs are done. It is the one that gxyrender makes of the
-        saved graph, to the bit.
+        """A picture of the newest document and data; waits until the filters that it needs are done. It is the one that gxyrender makes
+        of the file that save() writes, to the bit.
 
         size: (width, height) in pixels; by default the view's `size`, else the camera's `dimensions`, else 512 x 512.
         passes: each adds the rays per pixel of the document's `Renderer`.
@@ -93,9 +107,9 @@ class View(Node):
         deadline = Deadline(timeout)
         options: dict[str, Any] = {"levels": [1], "passes": passes}
         if camera is not None:
-            options["Camera"] = camera
+            options["Camera"] = plain(camera)
         shown = self._shown()
-        with shown.lock:
+        with shown.taken(deadline):
             window = self._window(shown, size, camera is not None, deadline)
             await_node(self.graph, "view", self.name, deadline, run=False)
             try:
@@ -113,7 +127,7 @@ class View(Node):
         """Writes a state file of this view alone, of which gxyrender makes the picture of render(): its camera and size are those of
         `Cameras`. Where the document says no camera it is the one with which the server shows all data, for which it waits."""
         deadline, shown = Deadline(timeout), self._shown()
-        with shown.lock:
+        with shown.taken(deadline):
             window = self._window(shown, None, False, deadline)
             camera = self._camera_of(window, deadline)
         document, entry = self.graph.document, self.entry
@@ -126,7 +140,7 @@ class View(Node):
     def wait(self, timeout: Optional[float] = None) -> View:
         """Waits until a window on it shows the newest document and data. Raises as render()."""
         deadline, shown = Deadline(timeout), self._shown()
-        with shown.lock:
+        with shown.taken(deadline):
             self._window(shown, shown.size, shown.turned, deadline)
             await_node(self.graph, "view", self.name, deadline, run=False)
         return self
@@ -137,7 +151,7 @@ class View(Node):
         with session._lock:
             shown = session._shown.get((self.graph.name, self.name))
         if shown:
-            with shown.lock:
+            with shown.taken(Deadline(None)):
                 self._close(shown)
 
     def _shown(self) -> _Shown:
@@ -152,7 +166,8 @@ class View(Node):
         told = self.session.ask("graph.get", self.graph.name)
         document, revision = told["document"], told["revision"]
         entry = self._entry_of(document)
-        size = size or _size(document, entry)
+        width, height = size or _size(document, entry)
+        size = int(width), int(height)
         is_older = shown.revision != revision and _asks_data(document, entry)
         if shown.is_gone or is_older or (shown.turned and not turned):
             self._close(shown)
