@@ -70,6 +70,21 @@ class Sessions(OnRanks):
         with self.assertRaisesRegex(gxy.GalaxyError, "heat.T: field 'T': dtype"):
             self.session.put("heat.T", np.zeros((2, 2, 2), complex))
 
+    def test_arrays_that_cannot_be_given_say_why(self):
+        code = ("import gxy, numpy, sys\n"
+                "with gxy.connect(sys.argv[1], sys.argv[2]) as session:\n"
+                "    try:\n"
+                "        session.put('heat.T', numpy.zeros((2, 3, 4)), timeout=5)\n"
+                "    except gxy.GalaxyError as error:\n"
+                "        print(error)\n")
+        for changed, words in (({"LD_LIBRARY_PATH": "/nowhere"}, "Galaxy's library for simulations was not found. Expected it"),
+                               ({"GALAXY_INSITU": "off"}, "publishing is off: the environment variable GALAXY_INSITU says so")):
+            done = subprocess.run([sys.executable, "-B", "-c", code, f"localhost:{self.server.port}", self.server.token], text=True,
+                                  capture_output=True, timeout=60,
+                                  env={**os.environ, "PYTHONPATH": str(SOURCE / "python/src"), **changed})
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertIn(words, done.stdout)
+
     def test_steps_of_a_simulation_are_seen_until_it_ends(self):
         seen, names = [], ["simsim.eightBalls", "simsim.oneBall"]
         future = self.session.wait_async(names[1], timeout=60)
