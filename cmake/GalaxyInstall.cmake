@@ -2,10 +2,9 @@
 # Installs files besides programs and libraries, and describes packages.
 #
 #   BIN/galaxy                           the script, which uses the programs beside it
-#   lib/python3/dist-packages/galaxy.py  the client in Python
-#   lib/python3/dist-packages/gxy/       the Python package of simulations
+#   lib/python3/dist-packages/gxy/       the Python package: clients, and simulations
 #   share/doc/galaxy/                    docs/, README.md, the licence, and examples/
-#   share/galaxy/version                 the version, for the two scripts
+#   share/galaxy/version                 the version, for the script
 #
 # cpack -G DEB makes a package for the system that it runs on. The package depends on the packages that its
 # libraries come from. cpack --config CPackSourceConfig.cmake (target package_source) makes a tarball of the
@@ -13,8 +12,7 @@
 set(doc ${CMAKE_INSTALL_DATAROOTDIR}/doc/galaxy)
 file(WRITE ${PROJECT_BINARY_DIR}/version "${PROJECT_VERSION}\n")
 install(PROGRAMS ${PROJECT_SOURCE_DIR}/tools/galaxy DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(PROGRAMS ${PROJECT_SOURCE_DIR}/tools/python/galaxy.py DESTINATION lib/python3/dist-packages)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/src/gxy DESTINATION lib/python3/dist-packages FILES_MATCHING PATTERN "*.py")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/src/gxy DESTINATION lib/python3/dist-packages FILES_MATCHING PATTERN "*.py" PATTERN "py.typed")
 install(FILES ${PROJECT_BINARY_DIR}/version DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/galaxy)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${doc})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${doc})

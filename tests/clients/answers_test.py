@@ -15,10 +15,12 @@ import unittest
 import unittest.mock
 import zlib
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"))
-import galaxy  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python" / "src"))
+import gxy.client  # noqa: E402
 
 PROGRAMS = pathlib.Path(sys.argv[1]).resolve()
+SOURCES = pathlib.Path(gxy.client.__file__).parents[1]
+GXY = [sys.executable, "-B", "-m", "gxy"]
 CONTROL, REPLY, EVENT, PIXELS, FILE = 0, 2, 3, 4, 5
 STATE = {"Datasets": [{"name": "a b", "type": "Volume", "filename": "x.vol"}],
          "Visualization": {"operators": [{"type": "Volume", "dataset": "a b", "volume rendering": True}]},
@@ -100,7 +102,7 @@ def end(frame, status="complete"):
 
 class Python(unittest.TestCase):
     def client(self, server, **options):
-        client = galaxy.Client(port=server.port, token="", **options)
+        client = gxy.client.Client(port=server.port, token="", **options)
         self.addCleanup(client.close)
         return client
 
@@ -111,7 +113,7 @@ class Python(unittest.TestCase):
             client = self.client(server)
             for statement, expected in (("binary", "last read: '\ufffd'"), ("list", "JSON object"), ("half", "reply: "),
                                         ("other", "expected `ok`"), ("deep", "reply: ")):
-                with self.assertRaisesRegex(galaxy.GalaxyError, expected):
+                with self.assertRaisesRegex(gxy.client.GalaxyError, expected):
                     client.request(statement, timeout=60)
             self.assertEqual(client.request("echo", timeout=60), {})
 
@@ -124,7 +126,7 @@ class Python(unittest.TestCase):
     def test_a_request_that_is_too_long_is_not_sent(self):
         with StandIn(limits={"request bytes": 100}) as server:
             client = self.client(server)
-            with self.assertRaisesRegex(galaxy.GalaxyError, "a request of 101 bytes, expected at most 100"):
+            with self.assertRaisesRegex(gxy.client.GalaxyError, "a request of 101 bytes, expected at most 100"):
                 client.request("x" * 101, timeout=60)
             client.request("x" * 100, timeout=60)
         self.assertEqual(server.asked, ["x" * 100])
@@ -134,13 +136,13 @@ class Python(unittest.TestCase):
             client = self.client(server)
             client.request("quit", timeout=60)
             for _ in range(3):
-                with self.assertRaisesRegex(galaxy.GalaxyError, "the connection has ended"):
+                with self.assertRaisesRegex(gxy.client.GalaxyError, "the connection has ended"):
                     client.request("list", timeout=60)
 
     def test_requests_that_are_out_when_the_connection_ends_are_errors(self):
         with StandIn({"never": None}, last="never") as server:
             client = self.client(server)
-            with self.assertRaisesRegex(galaxy.GalaxyError, "the connection has ended: the server stops"):
+            with self.assertRaisesRegex(gxy.client.GalaxyError, "the connection has ended: the server stops"):
                 client.request("never", timeout=60)
 
     def test_a_request_that_nobody_waits_for_any_more_ends_nothing(self):
@@ -166,15 +168,15 @@ class Python(unittest.TestCase):
     def test_the_token_of_a_server_that_was_killed_is_not_used(self):
         with tempfile.TemporaryDirectory(prefix="galaxy-answers-") as folder, \
                 unittest.mock.patch.dict(os.environ, {"XDG_RUNTIME_DIR": folder}):
-            path = pathlib.Path(galaxy.token_file(1))
+            path = pathlib.Path(gxy.client.token_file(1))
             path.parent.mkdir()
             path.write_text("0" * 64 + "\n")
-            token, reason = galaxy._token_for("127.0.0.1", 1)
+            token, reason = gxy.client._token_for("127.0.0.1", 1)
             self.assertEqual(token, "")
             self.assertIn("a server that was killed has left this token", reason)
             with open(path, encoding="ascii") as server:
                 fcntl.flock(server, fcntl.LOCK_EX)
-                self.assertEqual(galaxy._token_for("127.0.0.1", 1), ("0" * 64, None))
+                self.assertEqual(gxy.client._token_for("127.0.0.1", 1), ("0" * 64, None))
 
     def window(self, frames, last=None):
         """A window of a server that answers `echo` after these frames."""
@@ -193,7 +195,7 @@ class Python(unittest.TestCase):
         window = self.window([end(1)])
         self.assertEqual(window.wait(1, 60).frame, 1)
         window.close()
-        with self.assertRaisesRegex(galaxy.GalaxyError, "frame 1 has not ended after 0 s"):
+        with self.assertRaisesRegex(gxy.client.GalaxyError, "frame 1 has not ended after 0 s"):
             window._client.window(1).wait(1, 0)
 
     def test_of_ends_of_frames_the_newest_64_are_kept(self):
@@ -206,12 +208,12 @@ class Python(unittest.TestCase):
                                (pixels(1, 1, data, size=len(data) + 1), "their header says"),
                                (pixels(1, 1, zlib.compress(bytes(63))), "a tile of 63 bytes, expected 4 x 4 x 4"),
                                (pixels(3, 1, b"{}", (0, 0, 0, 0), 3), "their header says 3")):
-            with self.assertRaisesRegex(galaxy.GalaxyError, reason):
+            with self.assertRaisesRegex(gxy.client.GalaxyError, reason):
                 self.window([(PIXELS, record)])
 
     def test_who_waits_for_a_frame_hears_that_the_connection_has_ended(self):
         window = self.window([], last="echo")
-        with self.assertRaisesRegex(galaxy.GalaxyError, "the connection has ended: the server stops"):
+        with self.assertRaisesRegex(gxy.client.GalaxyError, "the connection has ended: the server stops"):
             window.wait(1, 20)
 
 
@@ -224,6 +226,10 @@ class Programs(unittest.TestCase):
     def run_it(self, program, server, *arguments):
         return subprocess.run([*program, "-P", str(server.port), "--token-file", "-", *arguments], cwd=self.folder,
                               capture_output=True, timeout=120)
+
+    def gxy(self, server, *arguments):
+        return subprocess.run([*GXY, "--server", f"localhost:{server.port}", "--token-file", "-", *arguments], cwd=self.folder,
+                              capture_output=True, timeout=120, env={**os.environ, "PYTHONPATH": str(SOURCES)})
 
     def say(self, server, *arguments):
         return self.run_it([PROGRAMS / "msdata"], server, *arguments)
@@ -289,19 +295,19 @@ class Programs(unittest.TestCase):
             self.assertIn(b"its header does not fit", done.stderr)
             self.assertNotEqual(done.returncode, 0)
 
-    def test_galaxy_py_asks_for_the_cameras_size_and_for_the_passes_that_were_said(self):
+    def test_the_program_gxy_asks_for_the_cameras_size_and_for_the_passes_that_were_said(self):
         (self.folder / "scene.json").write_text(json.dumps(STATE))
         with StandIn(RenderFails()) as server:
-            self.run_it([sys.executable, galaxy.__file__], server, "--passes", "3", "scene.json")
+            self.gxy(server, "--passes", "3", "scene.json")
         asked = {text.split("{")[0]: json.loads(text[text.index("{"):]) for text in server.ended() if "{" in text}
         self.assertEqual(asked["viewer.window 1 "], {"size": [16, 16]})
         self.assertEqual(asked["viewer.render 1 "]["passes"], 3)
 
-    def test_galaxy_py_tells_warnings(self):
+    def test_the_program_gxy_tells_warnings(self):
         (self.folder / "scene.json").write_text(json.dumps(STATE))
         with StandIn(Warns()) as server:
-            done = self.run_it([sys.executable, galaxy.__file__], server, "scene.json")
-        self.assertEqual(done.stderr, b"galaxy.py: warning: key x means nothing\ngalaxy.py: error: nothing to render\n")
+            done = self.gxy(server, "scene.json")
+        self.assertEqual(done.stderr, b"gxy: warning: key x means nothing\ngxy: error: nothing to render\n")
         self.assertEqual(done.returncode, 1)
 
     def test_the_last_one_may_end_the_connection(self):
@@ -332,21 +338,21 @@ class Programs(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn(b"nothing to render", done.stderr)
 
-    def test_galaxy_py_says_what_is_wrong_with_a_state_file(self):
+    def test_the_program_gxy_says_what_is_wrong_with_a_state_file(self):
         for text, words in (("[]", b"expected a JSON object"), ('{"Cameras": []}', b"`Cameras` is empty"), ("{", b"error: ")):
             (self.folder / "state.json").write_text(text)
             with StandIn() as server:
-                done = self.run_it([sys.executable, galaxy.__file__], server, "state.json")
+                done = self.gxy(server, "state.json")
             self.assertEqual(done.returncode, 1)
-            self.assertTrue(done.stderr.startswith(b"galaxy.py: error: "), done.stderr)
+            self.assertTrue(done.stderr.startswith(b"gxy: error: "), done.stderr)
             self.assertIn(words, done.stderr)
 
-    def test_galaxy_py_says_that_numpy_is_missing(self):
+    def test_the_program_gxy_says_that_numpy_is_missing(self):
         (self.folder / "numpy.py").write_text("raise ImportError('No module named numpy')")
-        done = subprocess.run([sys.executable, galaxy.__file__, "state.json"], cwd=self.folder, capture_output=True,
-                              env={"PYTHONPATH": str(self.folder)}, timeout=60)
+        done = subprocess.run([*GXY, "state.json"], cwd=self.folder, capture_output=True,
+                              env={"PYTHONPATH": f"{self.folder}:{SOURCES}"}, timeout=60)
         self.assertEqual(done.returncode, 1)
-        self.assertIn(b"expected NumPy", done.stderr)
+        self.assertIn(b"need NumPy", done.stderr)
         self.assertNotIn(b"Traceback", done.stderr)
 
 

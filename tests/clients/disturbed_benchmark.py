@@ -23,8 +23,8 @@ import time
 
 from server import STATE, Server
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"))
-import galaxy  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python" / "src"))
+import gxy.client  # noqa: E402
 
 CAMERAS = [{**STATE["Camera"], "viewpoint": [3 - 0.5 * i, 2, 4]} for i in range(8)]
 RESET = struct.pack("ii", 1, 0)  # closing cuts off: no farewell
@@ -32,7 +32,7 @@ RESET = struct.pack("ii", 1, 0)  # closing cuts off: no farewell
 
 def cut_off(port, token, seed):
     chance = random.Random(seed)
-    client = galaxy.Client(port=port, token_file=token, name="dies")
+    client = gxy.client.Client(port=port, token_file=token, name="dies")
     client._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
     window = client.window(1, size=[64, 36])
     window.set(STATE)
@@ -48,14 +48,14 @@ def nonsense(port, seed):
 
 def slow(port, token, over):
     """Takes 1000 bytes ten times a second of what it asked for."""
-    client = galaxy.Client(port=port, token_file=token, name="slow")
+    client = gxy.client.Client(port=port, token_file=token, name="slow")
     read = client._read
 
     def slowly(size):
         data = bytearray()
         while len(data) < size:
             if over.is_set():
-                raise galaxy.GalaxyError("read enough")
+                raise gxy.client.GalaxyError("read enough")
             data += read(min(1000, size - len(data)))
             time.sleep(0.1 if size > 1000 else 0)
         return data
@@ -78,7 +78,7 @@ def disturb(port, token, ready, over, counted):
                 deed(seed)
                 with counted.get_lock():
                     counted.value += 1
-            except (OSError, galaxy.GalaxyError):
+            except (OSError, gxy.client.GalaxyError):
                 pass  # that is what they are for
 
     silent = [socket.create_connection(("127.0.0.1", port)) for _ in range(50)]
@@ -116,7 +116,7 @@ def main():
     server = Server(arguments.programs, arguments.mpiexec.split(), 1, ["--threads", "1"])
     counted, sums, ratios = multiprocessing.Value("i"), {}, []
     try:
-        with galaxy.Client(port=server.port, token_file=server.token) as client:
+        with gxy.client.Client(port=server.port, token_file=server.token) as client:
             client.request("load data")
             client.request("import " + json.dumps({"Datasets": STATE["Datasets"]}))
             window = client.window(1, size=[640, 360])

@@ -19,8 +19,8 @@ import time
 
 from server import Server
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"))
-import galaxy  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python" / "src"))
+import gxy.client  # noqa: E402
 
 LIGHT = {"Sources": [[3, 1, 4, 2]], "shadows": True, "ao count": 1, "ao radius": 0.3}
 SCENES = {  # what is made, and how it is shown
@@ -104,7 +104,7 @@ class Bench:
                 wrong.append(header["name"])
 
         wrong = []
-        with galaxy.Client(port=server.port, token_file=token, on_file=take) as client:
+        with gxy.client.Client(port=server.port, token_file=token, on_file=take) as client:
             client.request("load data")
             client.request("load viewer")
             making, visualization = SCENES[scene]
@@ -141,7 +141,7 @@ class Bench:
 
     @staticmethod
     def second(server):
-        return pathlib.Path(galaxy.token_file(server.port, "second"))
+        return pathlib.Path(gxy.client.token_file(server.port, "second"))
 
     def together(self, server, scene, tokens):
         race, done = Race(tokens), []
@@ -175,7 +175,7 @@ def main():
     arguments.size = arguments.size or ([480, 270] if arguments.short else [1920, 1080])
     try:
         Bench(arguments).run()
-    except (Failure, galaxy.GalaxyError) as e:
+    except (Failure, gxy.client.GalaxyError) as e:
         print(f"orbit_benchmark.py: error: {e}", file=sys.stderr)
         return 1
     return 0

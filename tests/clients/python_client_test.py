@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""python_client_test.py PROGRAMS MPIEXEC...: the client in tools/python and a real server on two ranks."""
+"""python_client_test.py PROGRAMS MPIEXEC...: the client gxy.client and a real server on two ranks."""
 import copy
 import json
+import os
 import pathlib
 import queue
 import socket
@@ -16,8 +17,8 @@ import numpy as np
 
 from server import STATE, Server
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"))
-import galaxy  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python" / "src"))
+import gxy.client  # noqa: E402
 
 PROGRAMS, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:]
 
@@ -37,7 +38,7 @@ def tearDownModule():
 
 
 def connect(**options):
-    return galaxy.Client(port=server.port, token_file=server.token, **options)
+    return gxy.client.Client(port=server.port, token_file=server.token, **options)
 
 
 class Bytes(unittest.TestCase):
@@ -102,34 +103,34 @@ class Session(unittest.TestCase):
             self.assertLessEqual({"server", "session", "tenant"}, set(client.welcome))
 
     def test_a_wrong_token_is_refused(self):
-        with self.assertRaisesRegex(galaxy.GalaxyError, "token"):
-            galaxy.Client(port=server.port, token="0" * 64)
+        with self.assertRaisesRegex(gxy.client.GalaxyError, "token"):
+            gxy.client.Client(port=server.port, token="0" * 64)
 
     def test_no_token_file_is_an_error_that_names_it(self):
-        with self.assertRaisesRegex(galaxy.GalaxyError, "/nowhere/token.*is a server running"):
-            galaxy.Client(port=server.port, token_file="/nowhere/token")
+        with self.assertRaisesRegex(gxy.client.GalaxyError, "/nowhere/token.*is a server running"):
+            gxy.client.Client(port=server.port, token_file="/nowhere/token")
 
     def test_another_machine_is_sent_no_token_by_itself(self):
         for host in ("192.0.2.1", "2001:db8::1", "0.0.0.0"):
-            with self.assertRaisesRegex(galaxy.GalaxyError, f"host {host} is another machine.*clear text"):
-                galaxy.Client(host, server.port)
+            with self.assertRaisesRegex(gxy.client.GalaxyError, f"host {host} is another machine.*clear text"):
+                gxy.client.Client(host, server.port)
 
     def test_this_machine_is_sent_none_where_there_is_none(self):
         for host in ("127.0.0.1", "localhost"):
-            with self.assertRaisesRegex(galaxy.GalaxyError, f"token is wrong.*none was sent: .*{server.port}.token"):
-                galaxy.Client(host, server.port)
+            with self.assertRaisesRegex(gxy.client.GalaxyError, f"token is wrong.*none was sent: .*{server.port}.token"):
+                gxy.client.Client(host, server.port)
 
     def test_no_server_is_an_error_that_says_so(self):
         with socket.socket() as taken:  # bound and not listening: nobody answers there
             taken.bind(("127.0.0.1", 0))
-            with self.assertRaisesRegex(galaxy.GalaxyError, "is a server running there"):
-                galaxy.Client(port=taken.getsockname()[1], token="")
+            with self.assertRaisesRegex(gxy.client.GalaxyError, "is a server running there"):
+                gxy.client.Client(port=taken.getsockname()[1], token="")
 
     def test_errors_are_raised_and_the_connection_goes_on(self):
         with connect() as client:
-            with self.assertRaisesRegex(galaxy.GalaxyError, "nosuchverb"):
+            with self.assertRaisesRegex(gxy.client.GalaxyError, "nosuchverb"):
                 client.request("nosuchverb")
-            with self.assertRaises(galaxy.GalaxyError):
+            with self.assertRaises(gxy.client.GalaxyError):
                 client.request("load ../../etc/passwd")
             self.assertEqual(client.request('echo "a b";')["text"].strip('"'), "a b")
 
@@ -140,7 +141,7 @@ class Session(unittest.TestCase):
             client.request("list")
             self.assertFalse(waiting.done())
             client.request(f"cancel {number}")
-            with self.assertRaisesRegex(galaxy.GalaxyError, "cancelled"):
+            with self.assertRaisesRegex(gxy.client.GalaxyError, "cancelled"):
                 waiting.result(20)
 
     def test_every_verb_of_help_has_the_members_of_the_page(self):
@@ -211,7 +212,7 @@ class Data(unittest.TestCase):
             x = volume["origin"][0] + volume["spacing"][0] * 23 * np.array([0.25, 0.75])
             np.testing.assert_allclose(np.unique(seeds["structure"]["points"][:, 0]), x, atol=1e-12)
             np.testing.assert_array_equal(seeds["structure"]["ids"], np.arange(24))
-            with self.assertRaisesRegex(galaxy.GalaxyError, "nothing"):
+            with self.assertRaisesRegex(gxy.client.GalaxyError, "nothing"):
                 client.fetch("nothing")
             for made in ("seeds", "balls"):
                 client.request(f"drop {made}")
@@ -220,7 +221,7 @@ class Data(unittest.TestCase):
         with connect() as client:
             client.request("load data")
             for name in ("/etc/passwd", "../../etc/passwd"):
-                with self.assertRaisesRegex(galaxy.GalaxyError, "no such file that may be read"):
+                with self.assertRaisesRegex(gxy.client.GalaxyError, "no such file that may be read"):
                     client.request("import " + json.dumps({"Datasets": {"type": "Triangles", "filename": name}}))
 
 
@@ -237,7 +238,7 @@ class Pixels(unittest.TestCase):
         self.assertEqual(picture.rgba.shape, (260, 300, 4))
         self.assertEqual({scale: level.shape[:2] for scale, level in picture.levels.items()},
                          {8: (33, 38), 3: (87, 100), 1: (260, 300)})
-        galaxy.write_png(server.folder / "client.png", picture.rgba)
+        gxy.client.write_png(server.folder / "client.png", picture.rgba)
         (server.folder / "state.json").write_text(json.dumps(STATE))
         subprocess.run([PROGRAMS / "gxyrender", "state.json", "-o", "batch"], cwd=server.folder, check=True,
                        stdout=subprocess.DEVNULL)
@@ -299,7 +300,7 @@ class Pixels(unittest.TestCase):
 
     def test_wrong_options_are_errors_that_name_them(self):
         for options, expected in (({"passes": 0}, "passes"), ({"levels": [1, 4]}, "levels"), ({"level": [1]}, "render")):
-            with self.assertRaisesRegex(galaxy.GalaxyError, expected):
+            with self.assertRaisesRegex(gxy.client.GalaxyError, expected):
                 self.window.start(**options)
 
     def test_a_batch_comes_as_the_files_that_it_would_have_written(self):
@@ -318,8 +319,9 @@ class Pixels(unittest.TestCase):
 
 class Program(unittest.TestCase):
     def run_it(self, *arguments):
-        return subprocess.run([sys.executable, galaxy.__file__, "-P", str(server.port), "--token-file", server.token,
-                               *arguments], cwd=server.folder, capture_output=True, text=True)
+        return subprocess.run([sys.executable, "-B", "-m", "gxy", "--server", f"localhost:{server.port}", "--token-file", server.token,
+                               *arguments], cwd=server.folder, capture_output=True, text=True,
+                              env={**os.environ, "PYTHONPATH": str(pathlib.Path(gxy.client.__file__).parents[1])})
 
     def test_a_state_file_becomes_a_picture(self):
         (server.folder / "scene.json").write_text(json.dumps(STATE))

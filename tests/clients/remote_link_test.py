@@ -14,8 +14,8 @@ import numpy as np
 from link import Link
 from server import STATE, Server
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"))
-import galaxy  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python" / "src"))
+import gxy.client  # noqa: E402
 
 PROGRAMS, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:]
 WIDTH, HEIGHT = 640, 480
@@ -25,7 +25,7 @@ PICTURE = WIDTH * HEIGHT * 4  # bytes
 def setUpModule():
     global server, administrator
     server = Server(PROGRAMS, MPIEXEC)
-    administrator = galaxy.Client(port=server.port, token_file=server.token)
+    administrator = gxy.client.Client(port=server.port, token_file=server.token)
 
 
 def tearDownModule():
@@ -87,7 +87,7 @@ class SlowLink(unittest.TestCase):
         for wait in (False, True):
             with self.subTest(wait=wait):
                 slow = link(4e6, self)
-                with galaxy.Client(port=slow.port, token_file=server.token, name="flooded") as client:
+                with gxy.client.Client(port=slow.port, token_file=server.token, name="flooded") as client:
                     window = client.window(1, size=(WIDTH, HEIGHT))
                     window.set({name: value for name, value in STATE.items() if name != "Camera"})
                     frames = [window.start(Camera=camera, levels=[4, 1], wait=wait) for camera in wanted]
@@ -100,7 +100,7 @@ class SlowLink(unittest.TestCase):
                     if not wait:  # else each comes when the machine has answered the one before, and may be whole by then
                         self.assertGreater(sum(status == "superseded" for status in ends.values()), len(frames) // 2)
                         self.assertLess(slow.bytes, len(frames) * PICTURE // 8, "most pixels were never sent")
-                with galaxy.Client(port=server.port, token_file=server.token) as client:
+                with gxy.client.Client(port=server.port, token_file=server.token) as client:
                     window = client.window(1, size=(WIDTH, HEIGHT))
                     window.set({name: value for name, value in STATE.items() if name != "Camera"})
                     expected = window.render(Camera=wanted[-1], levels=[1])

@@ -17,8 +17,8 @@ import time
 
 from server import Server
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"))
-import galaxy  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python" / "src"))
+import gxy.client  # noqa: E402
 
 CAMERA = {"viewpoint": [1.9, 1.4, 2.3], "viewcenter": [0.5, 0.5, 0.5], "viewup": [0, 1, 0], "aov": 30,
           "dimensions": [256, 256]}
@@ -117,10 +117,10 @@ def main():
     try:
         subprocess.run([server.programs / "gxydata", "turbulence", "-r", "128", "turbulence.vti"], cwd=server.folder,
                        check=True, stdout=subprocess.DEVNULL)
-        second = galaxy.token_file(server.port, "second")
+        second = gxy.client.token_file(server.port, "second")
         with contextlib.ExitStack() as stack:
-            light = stack.enter_context(galaxy.Client(port=server.port, token_file=server.token))
-            heavy = [stack.enter_context(galaxy.Client(port=server.port, token_file=second))
+            light = stack.enter_context(gxy.client.Client(port=server.port, token_file=server.token))
+            heavy = [stack.enter_context(gxy.client.Client(port=server.port, token_file=second))
                      for _ in range(0, max(arguments.windows, 1), WINDOWS)]
             Bench(light, heavy, arguments).run()
     finally:

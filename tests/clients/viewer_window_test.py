@@ -19,8 +19,8 @@ import numpy as np
 from display import Display
 from server import STATE, Server
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"))
-import galaxy  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python" / "src"))
+import gxy.client  # noqa: E402
 
 PROGRAMS, XVFB, XDOTOOL, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2], sys.argv[3], sys.argv[4:]
 WIDTH, HEIGHT = STATE["Camera"]["dimensions"]
@@ -36,7 +36,7 @@ def setUpModule():
     global server, display, client
     server = Server(PROGRAMS, MPIEXEC)
     display = Display(XVFB, XDOTOOL)
-    client = galaxy.Client(port=server.port, token_file=server.token)
+    client = gxy.client.Client(port=server.port, token_file=server.token)
     client.request("load data")
     client.request("import " + json.dumps({"Datasets": SCENE["Datasets"]}))
 
@@ -627,7 +627,7 @@ class Lost(unittest.TestCase):
         self.addCleanup(viewer.kill)
         before = display.screen(WIDTH, HEIGHT)
         until(lambda: not np.array_equal(display.screen(WIDTH, HEIGHT), before), "the window is open")
-        with galaxy.Client(port=other.port, token_file=other.token) as administrator:
+        with gxy.client.Client(port=other.port, token_file=other.token) as administrator:
             administrator.request("quit")
 
         def quits():

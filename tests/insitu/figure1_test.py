@@ -13,9 +13,9 @@ import time
 import unittest
 
 SOURCE, PROGRAMS, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve(), sys.argv[3:]
-sys.path[:0] = [str(SOURCE / folder) for folder in ("tests/clients", "tools/python")]
+sys.path[:0] = [str(SOURCE / folder) for folder in ("tests/clients", "python/src")]
 from server import Server  # noqa: E402
-import galaxy  # noqa: E402
+import gxy.client  # noqa: E402
 
 FIELDS = ["eightBalls", "oneBall"]
 
@@ -54,7 +54,7 @@ class Figure1(unittest.TestCase):
             self.run_here(PROGRAMS / "simsim", "begin.vti", "end_0001.vti", *(word for field in FIELDS for word in ("--array", field)),
                           "-n", 2, "-d", 0, "-M", 3, "--policy", "wait", "--save", ".", "-P", server.port, "--token-file", server.token,
                           environment={"GALAXY_INSITU_OPTIONS": str(self.folder / "options.json")})
-            with galaxy.Client(port=server.port, token_file=server.token) as client:
+            with gxy.client.Client(port=server.port, token_file=server.token) as client:
                 client.request("load insitu")
                 end = time.monotonic() + 60
                 while client.request("insitu.streams")["streams"]:  # and so what the trigger has begun
@@ -78,7 +78,7 @@ class Figure1(unittest.TestCase):
         client.request('viewer.show 1 {"graph": "fig1", "view": "figure"}')
         nodes = client.request("graph.wait fig1")["nodes"]
         self.assertEqual({node["state"] for node in nodes}, {"done"}, nodes)
-        galaxy.write_png(self.folder / "graph.png", window.render().rgba)
+        gxy.client.write_png(self.folder / "graph.png", window.render().rgba)
 
     def render(self, step, ranks, state="state.json"):
         files = [word for field in FIELDS for word in ("--dataset", f"simsim.{field}=simsim-{step}.vti")]

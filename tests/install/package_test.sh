@@ -14,7 +14,7 @@ for library in libopenimageio libvtk9 libembree libpng libopenmpi openmpi-bin; d
   [[ $needs == *"$library"* ]] || { echo "the package does not depend on $library, but on: $needs"; exit 1; }
 done
 dpkg-deb -c "${package[0]}" >"$folder/contents"
-for file in bin/galaxy bin/gxyrender galaxy/libgalaxy_image.so galaxy/galaxy_viewer.so dist-packages/galaxy.py; do
+for file in bin/galaxy bin/gxyrender galaxy/libgalaxy_image.so galaxy/galaxy_viewer.so dist-packages/gxy/client.py; do
   grep -q "/usr/.*$file\$" "$folder/contents" || { echo "the package does not hold $file"; exit 1; }
 done
 

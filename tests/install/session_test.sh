@@ -18,8 +18,7 @@ is() { [[ $2 == "$3" ]] || { printf '%s: "%s", expected "%s"\n' "$1" "$2" "$3"; 
 for program in gxyrender gxydata gxydiff gxybench gxyserver msdata msclient gxyviewer simsim gxysim galaxy; do
   is "$program --version" "$($program --version)" "$program $version"
 done
-client=$tree/lib/python3/dist-packages/galaxy.py
-is "galaxy.py --version" "$(python3 "$client" --version)" "galaxy.py $version"
+is "gxy --version" "$(python3 -B -m gxy --version)" "gxy $version"
 is "gxy.insitu" "$(python3 -B -c 'from gxy.insitu import Simulation; print(Simulation("heat").publish_last.__name__)')" publish_last
 for file in galaxy_insitu.h galaxy_insitu.hpp galaxy_insitu_mpi.h galaxy_insitu.f90 galaxy_insitu_mpi.f90; do
   [[ -s $tree/include/galaxy/insitu/api/$file ]] || { echo "include/galaxy/insitu/api/$file is not installed"; exit 1; }
@@ -45,7 +44,7 @@ port=$(cat port) || { cat server.log; exit 1; }
 msdata -P "$port" -c 'import {"Datasets": {"name": "ball", "filename": "radial.vti", "type": "Volume"}}' >/dev/null
 is "list" "$(msdata -P "$port" -c list | tr -s ' \n' ' ')" " datasets: ball "
 gxyviewer -P "$port" scene.json --snapshot viewer.png
-python3 "$client" -P "$port" scene.json -o python.png
+python3 -B -m gxy --server "localhost:$port" scene.json -o python.png
 gxydiff viewer.png python.png --max 0.01
 msdata -P "$port" -c quit >/dev/null
 wait "$server"

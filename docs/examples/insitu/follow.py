@@ -3,13 +3,13 @@
 """Follows a simulation that publishes its steps to a Galaxy server, and leaves pictures of some of them.
 
     simsim begin.vti end.vti -d 0.5 -n 60 --save steps &
-    PYTHONPATH=.../tools/python python3 follow.py scene.json -n 3 -o follow
-    PYTHONPATH=.../tools/python python3 follow.py scene.json --import steps/simsim-7.vti -o import
+    PYTHONPATH=.../python/src python3 follow.py scene.json -n 3 -o follow
+    PYTHONPATH=.../python/src python3 follow.py scene.json --import steps/simsim-7.vti -o import
 
 The first call of follow.py waits for the datasets that the state file shows, such as simsim.oneBall. It then makes a
 window that follows them: the server renders it again whenever the simulation has published a step. The pictures of three
 steps become follow-STEP.png. The second call shows a file in the same way, and leaves import-simsim-7.png, which is equal
-to follow-7.png to the bit. galaxy.py, the client in Python, does the rest; it needs NumPy.
+to follow-7.png to the bit. The package gxy does the rest; it needs NumPy.
 """
 import argparse
 import copy
@@ -19,9 +19,9 @@ import sys
 import threading
 
 try:
-    import galaxy
+    import gxy.client
 except ImportError as e:
-    sys.exit(f"follow.py: error: {e}; expected Galaxy's client for Python, galaxy.py, in a folder of PYTHONPATH, and NumPy")
+    sys.exit(f"follow.py: error: {e}; expected the package gxy of Galaxy in a folder of PYTHONPATH, and NumPy")
 
 
 class Steps:
@@ -47,7 +47,7 @@ class Steps:
         """The step that a picture shows, by the generations of its datasets: all must be of the same."""
         found = {key[0]: self._of_one(client, key, seconds) for key in generations.items()}
         if len(set(found.values())) != 1:
-            raise galaxy.GalaxyError(f"a picture shows several steps at once: {found}")
+            raise gxy.client.GalaxyError(f"a picture shows several steps at once: {found}")
         return next(iter(found.values()))
 
     def _learn(self, name, generation, step):
@@ -64,7 +64,7 @@ class Steps:
         with self._changed:
             if key in self._steps:
                 return self._steps[key]
-        raise galaxy.GalaxyError(f"which step is generation {key[1]} of {key[0]}? The server tells it no more")
+        raise gxy.client.GalaxyError(f"which step is generation {key[1]} of {key[0]}? The server tells it no more")
 
 
 def shown(state):
@@ -93,7 +93,7 @@ def read_state(path):
     except (KeyError, TypeError, IndexError, AttributeError):
         names = []
     if not names:
-        raise galaxy.GalaxyError(f"{path}: expected a state document with a visualization whose operators name datasets")
+        raise gxy.client.GalaxyError(f"{path}: expected a state document with a visualization whose operators name datasets")
     return state
 
 
@@ -104,13 +104,13 @@ def pictures(window, timeout):
         if picture.end["status"] == "complete":
             yield picture
         elif picture.end["status"] != "superseded":
-            raise galaxy.GalaxyError(f"frame {picture.frame}: " + picture.end.get("error", picture.end["status"]))
+            raise gxy.client.GalaxyError(f"frame {picture.frame}: " + picture.end.get("error", picture.end["status"]))
         picture = window.wait(picture.frame + 1, timeout)
 
 
 def save(arguments, of, picture):
     path = f"{arguments.o}-{of}.png"
-    galaxy.write_png(path, picture.rgba)
+    gxy.client.write_png(path, picture.rgba)
     print(path, flush=True)
 
 
@@ -166,7 +166,7 @@ def main():
     steps = Steps()
     try:
         state = read_state(arguments.state)
-        with galaxy.Client(arguments.host, arguments.port, token_file=arguments.token_file, name="follow.py",
+        with gxy.client.Client(arguments.host, arguments.port, token_file=arguments.token_file, name="follow.py",
                            on_event=steps.hear) as client:
             for module in ["data", "viewer"] if arguments.files else ["insitu", "data", "viewer"]:
                 client.request(f"load {module}")
@@ -174,7 +174,7 @@ def main():
                 show_file(client, state, file, arguments)
             if not arguments.files:
                 follow(client, steps, state, arguments)
-    except (galaxy.GalaxyError, OSError, ValueError) as e:
+    except (gxy.client.GalaxyError, OSError, ValueError) as e:
         print(f"follow.py: error: {e}", file=sys.stderr)
         return 1
     return 0

@@ -20,9 +20,9 @@ import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "tools/python")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "python/src")]
 from server import Server  # noqa: E402
-import galaxy  # noqa: E402
+import gxy.client  # noqa: E402
 
 PARTS = ["publishes", "copies", "carries", "overhead", "transfers", "latencies"]
 TICKS = os.sysconf("SC_CLK_TCK")
@@ -57,7 +57,7 @@ class Serving:
         self.client.request("load insitu")
 
     def connect(self, on_event=None):
-        client = galaxy.Client(port=self._server.port, token_file=self._server.token, on_event=on_event)
+        client = gxy.client.Client(port=self._server.port, token_file=self._server.token, on_event=on_event)
         client.request("load data")
         return client
 
@@ -96,7 +96,7 @@ class Serving:
         try:
             self.client.request("quit")
             self.client.close()
-        except galaxy.GalaxyError:
+        except gxy.client.GalaxyError:
             pass
         self._server.stop()
 
@@ -321,7 +321,7 @@ def main():
         arguments.blobs_side, arguments.blobs_steps, arguments.blobs_ranks = 16, 3, [1]
     try:
         Bench(arguments).run()
-    except (Failure, galaxy.GalaxyError) as e:
+    except (Failure, gxy.client.GalaxyError) as e:
         sys.exit(f"insitu_bench.py: error: {e}")
 
 

@@ -12,10 +12,10 @@ import unittest
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "tools/python", "python/src")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "python/src")]
 from gxy.insitu import Simulation  # noqa: E402
 from server import Server  # noqa: E402
-import galaxy  # noqa: E402
+import gxy.client  # noqa: E402
 
 BUILD, PROGRAM, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2], sys.argv[3:]
 LAST = 8  # step
@@ -56,7 +56,7 @@ class Catalyst(unittest.TestCase):
     def setUpClass(cls):
         cls.server = Server(BUILD / "bin", MPIEXEC, options=["--backend", "embree"])
         cls.addClassCleanup(cls.server.stop)
-        cls.client = galaxy.Client(port=cls.server.port, token_file=cls.server.token)
+        cls.client = gxy.client.Client(port=cls.server.port, token_file=cls.server.token)
         cls.addClassCleanup(cls.client.close)
         cls.addClassCleanup(cls.client.request, "quit")
         for module in ("data", "viewer", "insitu"):

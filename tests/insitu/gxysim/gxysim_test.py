@@ -15,9 +15,9 @@ import unittest
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "tools/python")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "python/src")]
 from server import Server  # noqa: E402
-import galaxy  # noqa: E402
+import gxy.client  # noqa: E402
 
 BUILD, FORTRAN, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2], sys.argv[3:]
 STEPS = 24
@@ -57,7 +57,7 @@ class Gxysim(unittest.TestCase):
         cls.server = Server(BUILD / "bin", MPIEXEC, options=["--backend", "embree"])
         cls.addClassCleanup(cls.server.stop)
         cls.folder = cls.server.folder
-        cls.client = galaxy.Client(port=cls.server.port, token_file=cls.server.token)
+        cls.client = gxy.client.Client(port=cls.server.port, token_file=cls.server.token)
         cls.addClassCleanup(cls.client.close)
         cls.addClassCleanup(cls.client.request, "quit")
         for module in ("data", "viewer", "insitu"):

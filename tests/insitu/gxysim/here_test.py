@@ -13,9 +13,9 @@ import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "tools/python")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "python/src")]
 from server import Server  # noqa: E402
-import galaxy  # noqa: E402
+import gxy.client  # noqa: E402
 
 BUILD, FORTRAN, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2], sys.argv[3:]
 GXYSIM, GXYSERVER = BUILD / "bin" / "gxysim", BUILD / "bin" / "gxyserver"
@@ -78,7 +78,7 @@ class Here(unittest.TestCase):
 
     def quit_when_done(self, port, result):
         """Stops a server once the simulation has its result and the streams have ended, and so what triggers have begun."""
-        with galaxy.Client(port=port) as client:
+        with gxy.client.Client(port=port) as client:
             client.request("load insitu")
             for _ in range(1200):
                 if result.exists() and not client.request("insitu.streams")["streams"]:
@@ -101,7 +101,7 @@ class Here(unittest.TestCase):
         server = Server(BUILD / "bin", MPIEXEC, options=["--backend", "embree", "--data", str(self.folder / name("beside"))])
         beside = self.options(simulation, **{"token-file": str(server.token)})
         self.run_to_its_end(name("beside"), *MPIEXEC, "-n", 3, GXYSIM, *arguments, options=beside, to=f"127.0.0.1:{server.port}")
-        with galaxy.Client(port=server.port, token_file=server.token) as client:
+        with gxy.client.Client(port=server.port, token_file=server.token) as client:
             client.request("load insitu")
             for _ in range(1200):
                 if not client.request("insitu.streams")["streams"]:
@@ -159,7 +159,7 @@ class Here(unittest.TestCase):
         loaded = self.start("loaded", *MPIEXEC, "-n", 2, GXYSERVER, "--port", 0, "--port-file", "port", "--simulation", "gxysim", "--",
                             "heat", "--size", 16, "--steps", 80, "--seconds-per-step", 0.1, "--last", 0, "--output", "result.npy",
                             options=self.options(policy="skip", **{"time-out": None, "reconnect": 0}))
-        with galaxy.Client(port=self.await_port("loaded")) as client:
+        with gxy.client.Client(port=self.await_port("loaded")) as client:
             client.request("quit")
         text, _ = loaded.communicate(timeout=60)
         self.assertEqual(loaded.returncode, 0, text)

@@ -10,9 +10,9 @@ import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "tools/python")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "python/src")]
 from server import Server  # noqa: E402
-import galaxy  # noqa: E402
+import gxy.client  # noqa: E402
 
 BUILD, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:]
 PROGRAMS, SIMULATION, STEPS = BUILD / "bin", BUILD / "tests" / "volume_simulation", (1, 2, 3, 4)
@@ -37,7 +37,7 @@ class Volumes(unittest.TestCase):
         server = Server(PROGRAMS, MPIEXEC, servers, ["--backend", "embree"])
         try:
             subprocess.run([str(SIMULATION), str(server.folder / "file")], check=True, timeout=60)
-            with galaxy.Client(port=server.port, token_file=server.token) as client:
+            with gxy.client.Client(port=server.port, token_file=server.token) as client:
                 for module in ("data", "viewer", "insitu"):
                     client.request(f"load {module}")
                 self.publish(server, client, ranks)

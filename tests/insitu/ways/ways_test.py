@@ -14,9 +14,9 @@ import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "tools/python")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "python/src")]
 from server import Server  # noqa: E402
-import galaxy  # noqa: E402
+import gxy.client  # noqa: E402
 
 BUILD, SEED, RUNS, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), int(sys.argv[2]), int(sys.argv[3]), sys.argv[4:]
 PROGRAMS, SIMULATION = BUILD / "bin", BUILD / "tests" / "ways_simulation"
@@ -96,7 +96,7 @@ class Ways(unittest.TestCase):
         try:
             self.start(folder, *MPIEXEC, "-n", run["ranks"], *simulation, options={**options, "token-file": str(server.token)},
                        to=f"127.0.0.1:{server.port}")
-            with galaxy.Client(port=server.port, token_file=server.token) as client:
+            with gxy.client.Client(port=server.port, token_file=server.token) as client:
                 client.request("load insitu")
                 for _ in range(1200):
                     if not client.request("insitu.streams")["streams"]:  # and so what triggers have begun

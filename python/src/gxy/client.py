@@ -1,23 +1,21 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A client of Galaxy's multiserver in the standard library and NumPy, written from docs/protocol.md.
+"""A client of Galaxy's multiserver in the standard library and NumPy, written from docs/protocol.md. The file may be copied alone.
 
-As a library:
-
-    import galaxy
-    with galaxy.Client(port=5001) as client:
+    from gxy.client import Client, write_png
+    with Client(port=5001) as client:
         client.request("load data")
         print(client.request("list")["datasets"])
         window = client.window(1, size=(640, 480))
         window.set(json.load(open("scene.json")))
         picture = window.render(rays=1, passes=4)
-        galaxy.write_png("picture.png", picture.rgba)
+        write_png("picture.png", picture.rgba)
 
-As a program, it leaves one picture of a state file: galaxy.py [-H HOST] [-P PORT] STATE.json -o PICTURE.png
-
-Pixels travel as zlib: Python's standard library has neither zstd nor JPEG.
+gxy.connect() has more comfort: data, graphs and views as objects. Pixels travel as zlib: Python's standard library has
+neither zstd nor JPEG.
 """
-import argparse
+from __future__ import annotations
+
+import concurrent.futures
 import fcntl
 import ipaddress
 import json
@@ -26,18 +24,17 @@ import os
 import re
 import socket
 import struct
-import sys
 import threading
 import time
 import zlib
 from concurrent.futures import Future
+from typing import Any, Callable, Optional
 
 try:
     import numpy as np
 except ImportError as e:
-    if __name__ == "__main__":
-        sys.exit(f"galaxy.py: error: {e}; expected NumPy, as Debian's package python3-numpy has it")
-    raise
+    raise ImportError(f"gxy.client: {e}; pictures and arrays of datasets need NumPy: expected it, as Debian's package python3-numpy or "
+                      "pip install numpy has it") from e
 
 VERSION = 1
 _PREAMBLE = struct.Struct("<8sII")
@@ -48,36 +45,56 @@ _CONTROL, _REQUEST, _REPLY, _EVENT, _PIXELS, _FILE = range(6)
 _TILE, _END_OF_PASS, _END_OF_FRAME = 1, 2, 3
 _ZLIB = 3
 _LONGEST = 1 << 30  # bytes of a payload from the server
+_PLACE = re.compile(r'(?P<section>Datasets|Operators|Visualizations|Outputs)\[(?P<name>"(?:[^"\\]|\\.)*")\](?:: `(?P<key>[^`]+)`)?')
 _log = logging.getLogger("galaxy")
 
 
-def version():
-    """Galaxy's version, "0.1.0": of the installation or the sources that this file belongs to; else "unknown"."""
-    here = os.path.dirname(os.path.realpath(__file__))
-    try:
-        with open(os.path.join(here, "../../../share/galaxy/version")) as file:
-            return file.read().strip()
-    except OSError:
-        pass
-    try:
-        with open(os.path.join(here, "../../CMakeLists.txt")) as file:
-            return re.search(r"^project\(Galaxy VERSION ([0-9.]+)", file.read(), re.M).group(1)
-    except (OSError, AttributeError):
-        return "unknown"
-
-
 class GalaxyError(Exception):
-    """What the server answered after `error:`, why its answer means nothing, or why the connection ended."""
+    """What the server answered after `error:`, why its answer means nothing, or why the connection ended.
+
+    rank  of the server, if the error is one rank's; else None
+    node  the name of the dataset, operator, view or output of a graph that is meant; else None
+    path  where in the document, a list of keys, names and indices such as ["Datasets", "seeds", "count"]; else None
+    """
+
+    rank: Optional[int] = None
+    node: Optional[str] = None
+    path: Optional[list[Any]] = None
+
+    def __init__(self, text: str, node: Optional[str] = None, path: Optional[list[Any]] = None, rank: Optional[int] = None) -> None:
+        super().__init__(text)
+        if node is not None:
+            self.node, self.path, self.rank = node, path, rank
+            return
+        if of_rank := re.match(r"rank (\d+): ", text):
+            self.rank = int(of_rank[1])
+        if place := _PLACE.search(text):
+            self.node = json.loads(place["name"])
+            self.path = [place["section"], self.node]
+            for part in re.finditer(r"([^.\[\]]+)|\[(\d+)\]", place["key"] or ""):
+                self.path.append(part[1] if part[2] is None else int(part[2]))
 
 
-def token_file(port, tenant=None):
+class Timeout(GalaxyError, TimeoutError):
+    """What was waited for has not come in time."""
+
+
+def split_address(text: str) -> tuple[str, int]:
+    """Host and port of "HOST:PORT", "HOST" (port 5001) or "[IPV6]:PORT"."""
+    match = re.fullmatch(r"(\[[0-9A-Fa-f:.]+\]|[^:\s]+)(?::(\d{1,5}))?", text)
+    if not match or not 0 < int(match[2] or 5001) < 65536:
+        raise GalaxyError(f"address {text!r}, expected HOST:PORT")
+    return match[1].strip("[]"), int(match[2] or 5001)
+
+
+def token_file(port: int, tenant: Optional[str] = None) -> str:
     """Where a server on this machine leaves its token; that of the administrator unless a tenant is named."""
     folder = os.environ.get("XDG_RUNTIME_DIR")
     folder = os.path.join(folder, "galaxy") if folder else f"/tmp/galaxy-{os.getuid()}"
     return os.path.join(folder, f"{port}.{tenant}.token" if tenant else f"{port}.token")
 
 
-def read_token(path, of_server=False):
+def read_token(path: str, of_server: bool = False) -> str:
     """The token in a file. With of_server, GalaxyError where the server that left it was killed: it keeps its file locked."""
     try:
         with open(path, encoding="ascii") as file:
@@ -133,7 +150,7 @@ class Picture:
         self.foreign = None
 
     @property
-    def rgba(self):
+    def rgba(self) -> Optional[np.ndarray]:
         return self.levels.get(1)
 
 
@@ -148,30 +165,30 @@ class Window:
         self._ends = {}  # by frame number, the newest 64
         self._failure = None
 
-    def set(self, state):
+    def set(self, state: dict[str, Any]) -> dict[str, Any]:
         """What it shows: a state document or a part of one. The reply has `warnings`."""
         return self._client.request(f"viewer.set {self.number} {json.dumps(state)}")
 
-    def start(self, **options):
-        """Begins a frame, which supersedes older ones; options as in `viewer.render`. Its number."""
+    def start(self, timeout: Optional[float] = None, **options: Any) -> int:
+        """Begins a frame, which supersedes older ones; options as in `viewer.render`. Its number, once its scene is ready."""
         options["encoding"] = "zlib"
-        return self._client.request(f"viewer.render {self.number} {json.dumps(options)}")["frame"]
+        return self._client.request(f"viewer.render {self.number} {json.dumps(options)}", timeout)["frame"]
 
-    def wait(self, frame, timeout=60):
+    def wait(self, frame: int, timeout: Optional[float] = 60) -> Picture:
         """Waits until this frame or a later one has ended; the picture of the newest, however it ended."""
         with self._changed:
             if not self._changed.wait_for(
                     lambda: self._failure or any(n >= frame for n in self._ends), timeout):
-                raise GalaxyError(f"window {self.number}: frame {frame} has not ended after {timeout} s")
+                raise Timeout(f"window {self.number}: frame {frame} has not ended after {timeout:g} s")
             if not any(n >= frame for n in self._ends):
                 raise GalaxyError(self._failure)
             return self._ends[max(self._ends)]
 
-    def render(self, timeout=60, **options):
+    def render(self, timeout: Optional[float] = 60, **options: Any) -> Picture:
         """Begins a frame and waits for it, or for the newer one that has superseded it, as one of newer data in a window that
         follows. Raises GalaxyError unless it is completed."""
         end = None if timeout is None else time.monotonic() + timeout
-        picture = self.wait(self.start(**options), timeout)
+        picture = self.wait(self.start(timeout, **options), end and end - time.monotonic())
         while picture.end["status"] == "superseded":
             picture = self.wait(picture.frame + 1, end and end - time.monotonic())
         if picture.end["status"] != "complete":
@@ -179,7 +196,7 @@ class Window:
                               picture.end.get("error", picture.end["status"]))
         return picture
 
-    def close(self):
+    def close(self) -> None:
         self._client.request(f"viewer.close {self.number}")
         self._client._windows.pop(self.number, None)
 
@@ -261,13 +278,17 @@ class Client:
     token        text; default: what is in token_file; default: where a server on this machine leaves it, if it does, and an
                  error for other machines
     tenant       for servers that run with --no-token, for which there is token="" (or token_file="-")
+    on_end       called with the reason once the connection has ended, also by close()
+    timeout      seconds that connecting, and each answer of the handshake, may take
     on_event     called with each event, a dict
     on_file      called with (request id, dict, bytes) for each picture of a batch to the client
     welcome      the server's answer to the handshake, a dict
     """
 
-    def __init__(self, host="127.0.0.1", port=5001, token=None, token_file=None, tenant="user",
-                 name="galaxy.py", on_event=None, on_file=None):
+    def __init__(self, host: str = "127.0.0.1", port: int = 5001, token: Optional[str] = None, token_file: Optional[str] = None,
+                 tenant: str = "user", name: str = "gxy", on_event: Optional[Callable[[dict[str, Any]], None]] = None,
+                 on_file: Optional[Callable[[int, dict[str, Any], bytes], None]] = None,
+                 on_end: Optional[Callable[[str], None]] = None, timeout: Optional[float] = 10) -> None:
         why_none = None
         if token_file == "-":
             token = ""
@@ -275,13 +296,15 @@ class Client:
             token = read_token(token_file)
         elif token is None:
             token, why_none = _token_for(host, port)
-        self._on_event, self._on_file = on_event, on_file
+        self._on_event, self._on_file, self._on_end = on_event, on_file, on_end
         self._lock = threading.Lock()  # of the five below
-        self._replies, self._next_id, self._ended, self._windows = {}, 1, None, {}
-        self._on_files = {}  # by request, where its file records go
+        self._replies: dict[int, Future[dict[str, Any]]] = {}
+        self._windows: dict[int, Window] = {}
+        self._next_id, self._ended = 1, None
+        self._on_files: dict[int, Callable[..., None]] = {}  # by request, where its file records go
         self._sending = threading.Lock()
         try:
-            self._socket = socket.create_connection((host, port), timeout=10)
+            self._socket = socket.create_connection((host, port), timeout)
         except OSError as e:
             raise GalaxyError(f"cannot connect to {host} port {port}: {e}; is a server running there?") from e
         try:
@@ -305,13 +328,13 @@ class Client:
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
-    def __enter__(self):
+    def __enter__(self) -> Client:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    def close(self):
+    def close(self) -> None:
         try:
             self._socket.shutdown(socket.SHUT_RDWR)
         except OSError:
@@ -319,7 +342,7 @@ class Client:
         self._thread.join()
         self._socket.close()
 
-    def send(self, statement, on_file=None):
+    def send(self, statement: str, on_file: Optional[Callable[..., None]] = None) -> tuple[int, Future[dict[str, Any]]]:
         """Sends a statement. (its id, a Future of the reply's object or GalaxyError)
 
         on_file, if given, is called with the file records of this request in place of the client's on_file.
@@ -331,7 +354,8 @@ class Client:
         with self._lock:
             if self._ended:
                 raise GalaxyError(f"the connection has ended: {self._ended}")
-            number, reply = self._next_id, Future()
+            number = self._next_id
+            reply: Future[dict[str, Any]] = Future()
             self._next_id = number % 0xFFFFFFFF + 1
             self._replies[number] = reply
             if on_file:
@@ -345,11 +369,12 @@ class Client:
             raise GalaxyError(f"the connection has ended: {self._ended or e}") from e
         return number, reply
 
-    def request(self, statement, timeout=None):
-        """Sends a statement and waits; the reply's object, {} if it has none. Raises GalaxyError for an error."""
-        return self.send(statement)[1].result(timeout)
+    def request(self, statement: str, timeout: Optional[float] = None) -> dict[str, Any]:
+        """Sends a statement and waits; the reply's object, {} if it has none. Raises GalaxyError for an error, and Timeout after
+        so many seconds, when it has cancelled the request."""
+        return self._result(statement, None, timeout)
 
-    def fetch(self, name, timeout=None):
+    def fetch(self, name: str, timeout: Optional[float] = None) -> dict[str, Any]:
         """What a dataset holds: the object of the reply of data.fetch with two members more. Loads module data.
 
         structure    arrays by name, of geometry: points (float64, N x 3), normals, segments, triangles, ids; of an unstructured volume: points,
@@ -358,16 +383,26 @@ class Client:
         """
         arrays = _Arrays()
         self.request("load data")
-        reply = self.send(f"data.fetch {json.dumps(name)}", arrays.take)[1].result(timeout)
+        reply = self._result(f"data.fetch {json.dumps(name)}", arrays.take, timeout)
         return reply | arrays.of(reply)
 
-    def window(self, number, **settings):
+    def window(self, number: int, **settings: Any) -> Window:
         """Makes window `number`, or changes it: size=(width, height), follow=True. Loads module viewer."""
         self.request("load viewer")
         with self._lock:
             window = self._windows.setdefault(number, Window(self, number))
         self.request(f"viewer.window {number} {json.dumps(settings)}")
         return window
+
+    def _result(self, statement, on_file, timeout):
+        number, reply = self.send(statement, on_file)
+        try:
+            return reply.result(timeout)
+        except concurrent.futures.TimeoutError:
+            if reply.done():
+                raise  # the request's own
+            self.send(f"cancel {number}")
+            raise Timeout(f"no answer to `{statement[:80]}` after {timeout:g} s") from None
 
     def _send(self, channel, number, payload):
         with self._sending:
@@ -412,6 +447,8 @@ class Client:
                 reply.set_exception(GalaxyError(f"the connection has ended: {reason}"))
         for window in windows:
             window._fail(f"the connection has ended: {reason}")
+        if self._on_end:
+            self._call(self._on_end, reason)
 
     def _take(self, channel, number, payload):
         if channel == _REPLY:
@@ -464,58 +501,20 @@ def _reply_of(payload):
     return value, None
 
 
-def _printable(text):
-    """What a terminal could obey in it is replaced."""
-    return "".join("\ufffd" if (c < " " and c not in "\n\t") or "\x7f" <= c <= "\x9f" else c for c in text)
-
-
-def write_png(path, rgba):
-    """Writes uint8 (height, width, 4), row 0 at the bottom."""
+def png(rgba: np.ndarray) -> bytes:
+    """A PNG file of uint8 (height, width, 4), row 0 at the bottom."""
     height, width, _ = rgba.shape
     rows = np.zeros((height, 1 + 4 * width), np.uint8)  # each row begins with its filter: none
     rows[:, 1:] = rgba[::-1].reshape(height, 4 * width)
 
-    def chunk(name, data):
+    def chunk(name: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows.tobytes())) + chunk(b"IEND", b""))
+
+
+def write_png(path: str, rgba: np.ndarray) -> None:
+    """Writes uint8 (height, width, 4), row 0 at the bottom."""
     with open(path, "wb") as file:
-        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)) +
-                   chunk(b"IDAT", zlib.compress(rows.tobytes())) + chunk(b"IEND", b""))
-
-
-def main():
-    parser = argparse.ArgumentParser(description="One picture of a state file, rendered by a Galaxy server.")
-    parser.add_argument("--version", action="version", version="galaxy.py " + version())
-    parser.add_argument("state", metavar="STATE.json", help="its first visualization and camera; names of data files "
-                        "are relative to the server's --data folders")
-    parser.add_argument("-o", metavar="PICTURE.png", default="picture.png")
-    parser.add_argument("-H", "--host", default="127.0.0.1")
-    parser.add_argument("-P", "--port", type=int, default=5001)
-    parser.add_argument("--token-file", help="file with the server's token; - for none (default: where a server on this "
-                        "machine leaves it, if it does; needed for servers elsewhere)")
-    parser.add_argument("--passes", type=int, default=1, help="so many times the state's rays per pixel")
-    arguments = parser.parse_args()
-    try:
-        with open(arguments.state, encoding="utf-8") as file:
-            state = json.load(file)
-        if not isinstance(state, dict):
-            raise GalaxyError(f"{arguments.state}: expected a JSON object, a state document")
-        camera = state.get("Cameras", state.get("Camera", {}))
-        if camera == []:
-            raise GalaxyError(f"{arguments.state}: `Cameras` is empty, expected one or more")
-        camera = camera[0] if isinstance(camera, list) else camera
-        size = camera.get("dimensions", [512, 512]) if isinstance(camera, dict) else [512, 512]
-        with Client(arguments.host, arguments.port, token_file=arguments.token_file) as client:
-            window = client.window(1, size=size)
-            for warning in window.set(state).get("warnings", []):
-                print(f"galaxy.py: warning: {_printable(warning)}", file=sys.stderr)
-            picture = window.render(timeout=None, levels=[1], passes=arguments.passes)
-        write_png(arguments.o, picture.rgba)
-    except (GalaxyError, OSError, ValueError) as e:
-        print(f"galaxy.py: error: {_printable(str(e))}", file=sys.stderr)
-        return 1
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        file.write(png(rgba))
