@@ -10,6 +10,7 @@
 #include <boost/beast/websocket/stream.hpp>
 
 #include <array>
+#include <limits>
 #include <optional>
 
 #include "core/comm/error.h"
