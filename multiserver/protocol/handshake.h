@@ -21,14 +21,17 @@ struct Limits {
 struct Hello {
   std::string token, client;
   std::string tenant = "user";  ///< used only by a server without tokens
+  std::string ticket{};         ///< stands for the token, once; empty: there is none
 };
 
 struct Welcome {
   std::string server, tenant;
   uint64_t session = 0;
   bool administrator = false;
+  bool viewOnly = false;  ///< the client may only use verbs that change nothing
   int ranks = 0;
   Limits limits;
+  std::string token{};  ///< for a client that came with a ticket; else empty
 };
 
 /// Control texts consist of a word and the text after it.

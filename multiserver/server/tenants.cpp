@@ -12,12 +12,16 @@
 
 namespace gxy {
 
-std::string newToken() {
+std::array<unsigned char, 32> randomBytes() {
   std::array<unsigned char, 32> bytes;
   if (getrandom(bytes.data(), bytes.size(), 0) != ssize_t(bytes.size()))
     throw Error("token: the system gives no random bytes");
+  return bytes;
+}
+
+std::string newToken() {
   std::string token;
-  for (const unsigned char b : bytes) {
+  for (const unsigned char b : randomBytes()) {
     token += "0123456789abcdef"[b >> 4];
     token += "0123456789abcdef"[b & 15];
   }
@@ -41,11 +45,17 @@ std::string Tenants::wrongName(const std::string& name) {
 
 void Tenants::add(const std::string& token, Identity identity) { identities_[token] = std::move(identity); }
 
+std::string Tenants::tokenOf(const Identity& identity) const {
+  for (const auto& [token, known] : identities_)
+    if (known == identity) return token;
+  return {};
+}
+
 std::optional<Tenants::Identity> Tenants::identify(const std::string& token,
                                                    const std::string& tenant) const {
   if (admitsAll_) {
     if (const std::string wrong = wrongName(tenant); !wrong.empty()) throw Error("hello: `tenant`: " + wrong);
-    return Identity{tenant, true};
+    return Identity{tenant, true, false};
   }
   std::optional<Identity> found;
   for (const auto& [expected, identity] : identities_)  // compare all, in constant time
