@@ -38,7 +38,9 @@ function install() {
   try {
     run('npm', 'ci', '--ignore-scripts', '--no-progress');
   } catch (error) {
-    process.stderr.write('npm cannot get the packages. cmake -DGALAXY_GUI=OFF builds Galaxy without its browser GUI.\n');
+    process.stderr.write(
+      'npm cannot get the packages. cmake -DGALAXY_GUI=OFF builds Galaxy without its browser GUI.\n',
+    );
     throw error;
   }
 }
