@@ -62,6 +62,13 @@ it('a frame that was overtaken leaves the one before it under way, also before i
   unknown.number(2);
   expect(unknown.underWay).toBe(1);
   expect(unknown.find(1)).toBeDefined();
+
+  const both = asked(2);
+  both.skip(1);
+  both.skip(2);
+  both.number(1);
+  both.number(2);
+  expect(both.underWay).toBe(0);
 });
 
 it('the oldest request without a reply is the one refused', () => {

@@ -95,9 +95,6 @@ export class RemoteWindow {
   ) {
     this.id = pictures.newWindow();
     pictures.open(this.id, canvas, size, {
-      onBegun: (frame) => {
-        this.begun(frame);
-      },
       onPass: (pass) => {
         this.takePass(pass);
       },
@@ -341,19 +338,16 @@ export class RemoteWindow {
     this.changed();
   };
 
-  // Pixels have come, so earlier errors are over.
-  private begun(number: number): void {
-    if (number <= this.frame.number) return;
-    this.frame = { ...NO_FRAME, number, scale: this.frame.scale, lossless: this.frame.lossless };
-    this.renderError = '';
-    this.refusals = 0;
-    this.againAt = Infinity;
-  }
-
   private takePass(pass: PassShown): void {
-    if (pass.frame < this.frame.number) return;
-    this.begun(pass.frame);
+    if (pass.frame > this.frame.number) {
+      const { scale, lossless } = this.frame;
+      this.frame = { ...NO_FRAME, number: pass.frame, scale, lossless };
+      this.renderError = ''; // Pixels have come, so earlier errors are over.
+      this.refusals = 0;
+      this.againAt = Infinity;
+    }
     const { frame } = this;
+    if (pass.frame < frame.number) return;
     frame.scale = pass.scale;
     frame.pass = pass.pass;
     if (!frame.shown) {

@@ -104,7 +104,10 @@ describe.each([
     const radius = length([3, 3, 3]);
     if (camera.aov === 0) expect(all.height).toBeCloseTo(2 * radius, 12);
     else
-      expect(length(all.viewdirection) * Math.sin(((camera.aov / 2) * Math.PI) / 180)).toBeCloseTo(radius, 12);
+      expect(length(all.viewdirection) * Math.sin(((camera.aov / 2) * Math.PI) / 180)).toBeCloseTo(
+        radius,
+        12,
+      );
   });
 });
 

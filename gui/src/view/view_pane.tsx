@@ -58,9 +58,15 @@ function ViewLine({ view }: { view: View }) {
   const error = status.text.startsWith('error: ');
   return (
     <div className="view-line" data-whole={status.whole}>
-      <span className={error ? 'error' : undefined} role={error ? 'alert' : undefined}>
-        <Foreign text={status.text} />
-      </span>
+      {error ? (
+        <p className="view-error" role="alert">
+          <Foreign text={status.text} />
+        </p>
+      ) : (
+        <span>
+          <Foreign text={status.text} />
+        </span>
+      )}
       {more.map((text) => (
         <span key={text}>{text}</span>
       ))}
