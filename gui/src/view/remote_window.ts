@@ -113,7 +113,7 @@ export class RemoteWindow {
       }),
       ...['updated', 'added', 'dropped'].map((event) =>
         connection.on(event, ({ name }) => {
-          if (typeof name === 'string' && name in this.generations) void this.askForBox();
+          if (typeof name === 'string' && name in this.generations) this.askForBoxAgain();
         }),
       ),
     ];
@@ -269,6 +269,11 @@ export class RemoteWindow {
     if (this.camera) return;
     this.camera = cameraFrom(reply['Camera']);
     this.onCamera(this.camera);
+  }
+
+  // Data that are gone have no box. Frames tell what that means for the picture.
+  private askForBoxAgain(): void {
+    if (this.ready) this.askForBox().catch(() => undefined);
   }
 
   private begin(): void {
