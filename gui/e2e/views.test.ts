@@ -151,7 +151,7 @@ it('the picture has the pixels of the screen, at any ratio and after a change of
 });
 
 it.each(['light', 'dark'] as const)('axe-core finds nothing serious in the %s theme', async (scheme) => {
-  const page = await open(960, 600, 1, scheme);
+  const page = await open(860, 540, 1, scheme);
   await openFile(page, join(server.folder, 'demo.json'));
   if (scheme === 'light') await whole(page);
   else await page.getByText('lossless').waitFor();

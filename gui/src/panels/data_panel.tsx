@@ -13,7 +13,9 @@ export function DataPanel({ onView }: { onView: (name: string) => void }) {
         <tr>
           <th scope="col">Data</th>
           <th scope="col">Type</th>
-          <th scope="col">Generation</th>
+          <th scope="col" className="number">
+            Generation
+          </th>
           <th scope="col">
             <span className="unseen">View</span>
           </th>
