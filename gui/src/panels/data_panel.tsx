@@ -12,12 +12,12 @@ export function DataPanel({ onView }: { onView: (name: string) => void }) {
       <thead>
         <tr>
           <th scope="col">Data</th>
+          <th scope="col">
+            <span className="unseen">View</span>
+          </th>
           <th scope="col">Type</th>
           <th scope="col" className="number">
             Generation
-          </th>
-          <th scope="col">
-            <span className="unseen">View</span>
           </th>
         </tr>
       </thead>
@@ -28,8 +28,6 @@ export function DataPanel({ onView }: { onView: (name: string) => void }) {
               <Foreign text={name} />
               {shared && <span className="weak"> (shared)</span>}
             </th>
-            <td>{type}</td>
-            <td className="number">{generation}</td>
             <td>
               <button
                 type="button"
@@ -41,6 +39,8 @@ export function DataPanel({ onView }: { onView: (name: string) => void }) {
                 View
               </button>
             </td>
+            <td>{type}</td>
+            <td className="number">{generation}</td>
           </tr>
         ))}
       </tbody>
