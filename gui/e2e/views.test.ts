@@ -114,6 +114,9 @@ it('keys turn the picture and bring it back, and a picture that is saved meanwhi
   const before = await savedPicture(page);
   const picture = page.getByRole('application');
   await picture.focus();
+  await picture.hover(); // over the middle of the ball
+  await page.keyboard.press('i');
+  await page.getByRole('status').locator('bdi', { hasText: 'ball' }).waitFor();
   await page.keyboard.press('x');
   const coming = page.waitForEvent('download');
   await page.keyboard.press('p'); // The camera has moved, so this one is made beside the view.

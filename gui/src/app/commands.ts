@@ -21,7 +21,6 @@ const say = (text: string) => {
 function add(server: ServerConnection, title: string, document: ReturnType<typeof readDocument>): void {
   const view = useViews.getState().add(title, { kind: 'document', document }, server);
   view.onNotice = say;
-  view.onError = fail;
 }
 
 /** Opens a state file of the user's machine in a view. */
@@ -68,13 +67,18 @@ export async function savePicture(view: View): Promise<void> {
   }
 }
 
-export function closeView(view: View): void {
-  useViews.getState().close(view.id);
+/** Says what surface is under the mouse. */
+async function pick(view: View): Promise<void> {
+  try {
+    say(await view.pick());
+  } catch (error) {
+    fail(error);
+  }
 }
 
 /** Keys of a view that are the page's. Returns whether the key is one. */
 export function pressInView(key: string, view: View): boolean {
-  const action = { p: savePicture, w: saveState }[key];
+  const action = { i: pick, p: savePicture, w: saveState }[key];
   if (!action) return false;
   void action(view);
   return true;

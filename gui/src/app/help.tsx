@@ -11,6 +11,7 @@ const MOUSE = [
   ['two fingers', 'pan and zoom'],
 ] as const;
 const PAGE = [
+  ['i', 'what surface is under the mouse'],
   ['p', 'save the picture as PNG'],
   ['w', 'save the state file, with the camera of now'],
   ['?, h', 'this help'],

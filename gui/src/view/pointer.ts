@@ -38,6 +38,7 @@ export function listen(element: HTMLElement, view: View): () => void {
 
   function move(event: PointerEvent): void {
     const from = held.get(event.pointerId);
+    view.under = placeOf(event);
     if (!from || motion === null) return;
     const to = placeOf(event);
     const other = [...held].find(([id]) => id !== event.pointerId)?.[1];

@@ -42,7 +42,8 @@ export class View {
   private readonly listeners = new Set<() => void>();
 
   onNotice: (text: string) => void = () => undefined;
-  onError: (error: unknown) => void = () => undefined;
+  /** The place of the mouse, in pixels of the canvas, y upwards; null as long as it has not been over the picture. */
+  under: Place | null = null;
 
   constructor(
     readonly id: number,
@@ -192,10 +193,10 @@ export class View {
     return still(this.connection, this.pictures, { shown, camera, size: this.size, passes: this.passes });
   }
 
-  /** What surface is at a place: text for people. */
-  async pick({ x, y }: Place): Promise<string> {
-    if (!this.window) return '';
-    const words = [this.window.id, Math.floor(x), Math.floor(y)];
+  /** What surface is under the mouse: text for people. */
+  async pick(): Promise<string> {
+    if (!this.window || !this.under) return 'The mouse is not over the picture.';
+    const words = [this.window.id, Math.floor(this.under.x), Math.floor(this.under.y)];
     const reply = await this.connection.request(statement('viewer.pick', words));
     return textOf(reply, 'text', 'There is no surface.');
   }
