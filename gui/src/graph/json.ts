@@ -31,9 +31,7 @@ export function withMember(object: JsonObject, key: string, value: Json): JsonOb
 }
 
 export function withoutMember(object: JsonObject, key: string): JsonObject {
-  const rest: Record<string, Json> = { ...object };
-  delete rest[key];
-  return rest;
+  return Object.fromEntries(Object.entries(object).filter(([name]) => name !== key));
 }
 
 /** Whether two values are equal; the order of an object's keys does not count. */
@@ -52,4 +50,16 @@ export function equal(a: Json | undefined, b: Json | undefined): boolean {
 export function quoted(value: Json | undefined): string {
   const text = JSON.stringify(value ?? null);
   return text.length > 60 ? `${text.slice(0, 57)}...` : text;
+}
+
+/** The members of a list that are objects. */
+export function objectsIn(value: Json | undefined): readonly JsonObject[] {
+  return isList(value) ? value.filter(isObject) : [];
+}
+
+/** A name, or a list of names, as a list. */
+export function namesIn(value: Json | undefined): readonly string[] {
+  return (isList(value) ? value : [value]).filter(
+    (item): item is string => typeof item === 'string' && item !== '',
+  );
 }
