@@ -1,14 +1,61 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: which part is at which place.
+import { useState } from 'react';
+import { DataPanel } from '../panels/data_panel';
+import type { View } from '../view/view';
+import { ViewArea } from '../view/view_area';
+import { pressInView, viewData } from './commands';
+import { ConnectForm, ConnectionStatus, LossBar } from './connection_state';
+import { Help } from './help';
 import { Layout } from './layout';
+import { NoticeList } from './notice_list';
+import { useConnectionState, useServer } from './server';
+import { Toolbar } from './toolbar';
 
 export function App() {
+  const state = useConnectionState();
+  const server = useServer();
+  const [help, setHelp] = useState(false);
+  if (state.kind === 'locked') return <ConnectForm problem={state.problem} />;
+
+  function onKey(key: string, view: View): boolean {
+    if (key !== '?' && key !== 'h') return pressInView(key, view);
+    setHelp(true);
+    return true;
+  }
+
   return (
-    <Layout
-      graph={<p className="empty">No graph is open.</p>}
-      properties={<p className="empty">Nothing is selected.</p>}
-      views={<p className="empty">No view is open.</p>}
-      status={<span>Not connected</span>}
-    />
+    <>
+      <Layout
+        top={
+          <>
+            <LossBar />
+            <Toolbar
+              onHelp={() => {
+                setHelp(true);
+              }}
+            />
+          </>
+        }
+        graph={<p className="empty">No graph is open.</p>}
+        properties={
+          <DataPanel
+            onView={(name) => {
+              void viewData(server, name);
+            }}
+          />
+        }
+        views={<ViewArea onKey={onKey} />}
+        status={<ConnectionStatus />}
+      />
+      <NoticeList />
+      {help && (
+        <Help
+          onClose={() => {
+            setHelp(false);
+          }}
+        />
+      )}
+    </>
   );
 }

@@ -196,8 +196,7 @@ export class ServerConnection implements Connection, Pictures {
     }
     this.failures = 0;
     this.lastId = 0;
-    for (const module of MODULES)
-      this.post({ kind: 'request', id: ++this.lastId, text: `load ${module}` });
+    for (const module of MODULES) this.post({ kind: 'request', id: ++this.lastId, text: `load ${module}` });
     this.set({ kind: 'open', welcome });
   }
 

@@ -97,13 +97,21 @@ export function reset(camera: Camera, box: Box): Camera {
   const radius = 0.5 * (length(subtract(box[1], box[0])) || 1);
   const distance = radius / Math.sin(((camera.aov || 30) * RADIANS) / 2);
   const viewdirection = scale(forward, distance);
-  return { ...camera, viewpoint: subtract(middle, viewdirection), viewdirection, viewup: up, height: 2 * radius };
+  return {
+    ...camera,
+    viewpoint: subtract(middle, viewdirection),
+    viewdirection,
+    viewup: up,
+    height: 2 * radius,
+  };
 }
 
 /** Puts the focus to the depth of the box's middle if it lies outside of the box, so that turning keeps the data in view. */
 export function turnAbout(camera: Camera, box: Box): Camera {
   const focus = focusOf(camera);
-  const inside = ([0, 1, 2] as const).every((axis) => focus[axis] >= box[0][axis] && focus[axis] <= box[1][axis]);
+  const inside = ([0, 1, 2] as const).every(
+    (axis) => focus[axis] >= box[0][axis] && focus[axis] <= box[1][axis],
+  );
   if (inside) return camera;
   const forward = normalized(camera.viewdirection);
   const along = dot(forward, subtract(scale(add(box[0], box[1]), 0.5), camera.viewpoint));

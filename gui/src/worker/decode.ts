@@ -83,7 +83,5 @@ export async function decodeJpeg(tile: PixelRecord): Promise<ImageBitmap> {
   });
   if (bitmap.width === tile.w && bitmap.height === tile.h) return bitmap;
   bitmap.close();
-  throw new Error(
-    `pixels: a JPEG of ${bitmap.width} x ${bitmap.height} in a tile of ${tile.w} x ${tile.h}`,
-  );
+  throw new Error(`pixels: a JPEG of ${bitmap.width} x ${bitmap.height} in a tile of ${tile.w} x ${tile.h}`);
 }

@@ -45,7 +45,8 @@ export class Painter {
     this.width = width;
     this.height = height;
     this.whole = this.gathered = null;
-    if (!this.canvas || !this.context || (this.canvas.width === width && this.canvas.height === height)) return;
+    if (!this.canvas || !this.context || (this.canvas.width === width && this.canvas.height === height))
+      return;
     const before = new OffscreenCanvas(this.canvas.width, this.canvas.height);
     before.getContext('2d')?.drawImage(this.canvas, 0, 0);
     this.canvas.width = width;

@@ -61,7 +61,11 @@ export class PassQueue {
         this.items.shift();
         return { kind: 'end', record: first };
       }
-      if (first.end && !first.begun && this.items.some((item) => item !== first && isPass(item) && item.end)) {
+      if (
+        first.end &&
+        !first.begun &&
+        this.items.some((item) => item !== first && isPass(item) && item.end)
+      ) {
         this.items.shift();
         return { kind: 'skip', pass: first };
       }

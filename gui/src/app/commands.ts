@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the toolbar's buttons and the keys of the page do.
+import { readDocument } from '../view/document';
+import type { View } from '../view/view';
+import { useViews } from '../view/views';
+import { objectOf } from '../wire/json';
+import { statement } from '../wire/statement';
+import { download, stem } from './files';
+import { useNotices } from './notices';
+import type { ServerConnection } from './server_connection';
+
+const LARGEST_FILE = 16 << 20; // docs/state-file.md
+
+const fail = (error: unknown) => {
+  useNotices.getState().fail(error);
+};
+const say = (text: string) => {
+  useNotices.getState().say(text);
+};
+
+function add(server: ServerConnection, title: string, document: ReturnType<typeof readDocument>): void {
+  const view = useViews.getState().add(title, { kind: 'document', document }, server);
+  view.onNotice = say;
+  view.onError = fail;
+}
+
+/** Opens a state file of the user's machine in a view. */
+export async function openStateFile(server: ServerConnection, file: File): Promise<void> {
+  try {
+    if (file.size > LARGEST_FILE) throw new Error(`${file.name}: expected at most 16 MiB`);
+    add(server, file.name, readDocument(await file.text(), file.name));
+  } catch (error) {
+    fail(error);
+  }
+}
+
+/** Opens a view of data that the server has, as their content suggests. */
+export async function viewData(server: ServerConnection, name: string): Promise<void> {
+  try {
+    const reply = await server.request(statement('viewer.scene', [name]));
+    add(server, name, objectOf(reply, 'state'));
+  } catch (error) {
+    fail(error);
+  }
+}
+
+/** Saves what a view shows, with the camera of now, as a state file. */
+export function saveState(view: View): void {
+  const { document } = view;
+  if (!document) fail(new Error('this view is one of a graph: save the graph'));
+  else
+    download(`${stem(view.title)}-view.json`, `${JSON.stringify(document, null, 2)}\n`, 'application/json');
+}
+
+const pictures = new Map<View, number>(); // how many were saved
+
+/** Saves the picture of this moment's camera with all its passes as PNG. */
+export async function savePicture(view: View): Promise<void> {
+  const number = pictures.get(view) ?? 0;
+  pictures.set(view, number + 1);
+  const name = `${stem(view.title)}-view_${String(number).padStart(5, '0')}.png`;
+  try {
+    if (!view.status.whole) say(`Making ${name} ...`);
+    download(name, await view.picture(), 'image/png');
+    say(`Saved ${name}`);
+  } catch (error) {
+    fail(error);
+  }
+}
+
+export function closeView(view: View): void {
+  useViews.getState().close(view.id);
+}
+
+/** Keys of a view that are the page's. Returns whether the key is one. */
+export function pressInView(key: string, view: View): boolean {
+  const action = { p: savePicture, w: saveState }[key];
+  if (!action) return false;
+  void action(view);
+  return true;
+}

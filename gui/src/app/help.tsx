@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useRef } from 'react';
+import { KEYS } from '../view/keys';
+
+const MOUSE = [
+  ['left drag', 'rotate about the middle'],
+  ['middle drag, Shift + left drag', 'pan'],
+  ['right drag, wheel', 'zoom'],
+  ['Ctrl + left drag', 'roll'],
+  ['one finger', 'rotate'],
+  ['two fingers', 'pan and zoom'],
+] as const;
+const PAGE = [
+  ['p', 'save the picture as PNG'],
+  ['w', 'save the state file, with the camera of now'],
+  ['?, h', 'this help'],
+] as const;
+const SYMBOLS: Record<string, string> = { ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓' };
+
+/** What mouse and keys do in a view. */
+export function Help({ onClose }: { onClose: () => void }) {
+  const dialog = useRef<HTMLDialogElement>(null);
+  useEffect(() => {
+    dialog.current?.showModal();
+  }, []);
+  const keys = KEYS.map(
+    ({ keys: all, help }) => [all.map((key) => SYMBOLS[key] ?? key).join(' '), help] as const,
+  );
+  return (
+    <dialog ref={dialog} className="help" aria-label="Mouse and keys" onClose={onClose}>
+      <h2>Mouse and keys in a view</h2>
+      <dl>
+        {[...MOUSE, ...keys, ...PAGE].map(([what, does]) => (
+          <div key={what}>
+            <dt>{what}</dt>
+            <dd>{does}</dd>
+          </div>
+        ))}
+      </dl>
+      <button type="button" autoFocus onClick={() => dialog.current?.close()}>
+        Close
+      </button>
+    </dialog>
+  );
+}

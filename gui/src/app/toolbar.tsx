@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useRef } from 'react';
+import { useViews } from '../view/views';
+import { openStateFile, savePicture, saveState } from './commands';
+import { useServer } from './server';
+import { useTheme } from './theme';
+
+/** The page's buttons, above the views. */
+export function Toolbar({ onHelp }: { onHelp: () => void }) {
+  const server = useServer();
+  const file = useRef<HTMLInputElement>(null);
+  const view = useViews(({ views, active }) => views.find(({ id }) => id === active));
+  const { theme, next } = useTheme();
+  return (
+    <div className="toolbar" role="toolbar" aria-label="Galaxy">
+      <input
+        ref={file}
+        type="file"
+        accept=".json,application/json"
+        className="unseen"
+        tabIndex={-1}
+        aria-label="State file"
+        onChange={({ currentTarget }) => {
+          const chosen = currentTarget.files?.[0];
+          if (chosen) void openStateFile(server, chosen);
+          currentTarget.value = ''; // The same file can be chosen again.
+        }}
+      />
+      <button type="button" onClick={() => file.current?.click()}>
+        Open state file
+      </button>
+      <button
+        type="button"
+        disabled={!view}
+        onClick={() => {
+          if (view) saveState(view);
+        }}
+      >
+        Save state file
+      </button>
+      <button
+        type="button"
+        disabled={!view}
+        onClick={() => {
+          if (view) void savePicture(view);
+        }}
+      >
+        Save picture
+      </button>
+      <span className="space" />
+      <button type="button" onClick={next}>
+        Theme: {theme}
+      </button>
+      <button type="button" onClick={onHelp}>
+        Help
+      </button>
+    </div>
+  );
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// The list of data, from which views are opened.
+import { Foreign } from '../app/foreign';
+import { useNotices } from '../app/notices';
+import { useDatasets } from './data_list';
+
+export function DataPanel({ onView }: { onView: (name: string) => void }) {
+  const datasets = useDatasets(useNotices((notices) => notices.fail));
+  if (datasets.length === 0) return <p className="empty">The server has no data yet.</p>;
+  return (
+    <table className="data-list">
+      <thead>
+        <tr>
+          <th scope="col">Data</th>
+          <th scope="col">Type</th>
+          <th scope="col">Generation</th>
+          <th scope="col">
+            <span className="unseen">View</span>
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {datasets.map(({ name, type, shared, generation }) => (
+          <tr key={`${shared ? 'shared' : 'private'} ${name}`}>
+            <th scope="row">
+              <Foreign text={name} />
+              {shared && <span className="weak"> (shared)</span>}
+            </th>
+            <td>{type}</td>
+            <td className="number">{generation}</td>
+            <td>
+              <button
+                type="button"
+                aria-label={`View ${name}`}
+                onClick={() => {
+                  onView(name);
+                }}
+              >
+                View
+              </button>
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}

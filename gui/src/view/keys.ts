@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// What keys do in a view: those of docs/viewer.md, and arrows, which turn.
+import type { View } from './view';
+
+export interface Key {
+  keys: string[];
+  help: string;
+  /** What each of `keys` does, in their order. */
+  actions: ((view: View) => void)[];
+}
+
+const TURN = 5; // degrees
+
+export const KEYS: Key[] = [
+  {
+    keys: ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown'],
+    help: 'turn by 5 degrees',
+    actions: [
+      (view) => {
+        view.turn(TURN, 0);
+      },
+      (view) => {
+        view.turn(-TURN, 0);
+      },
+      (view) => {
+        view.turn(0, -TURN);
+      },
+      (view) => {
+        view.turn(0, TURN);
+      },
+    ],
+  },
+  {
+    keys: ['+', '-'],
+    help: 'nearer, farther',
+    actions: [
+      (view) => {
+        view.wheel(1);
+      },
+      (view) => {
+        view.wheel(-1);
+      },
+    ],
+  },
+  {
+    keys: ['r'],
+    help: 'all data in view',
+    actions: [
+      (view) => {
+        view.reset();
+      },
+    ],
+  },
+  {
+    keys: ['b'],
+    help: 'back to the camera of the file',
+    actions: [
+      (view) => {
+        view.back();
+      },
+    ],
+  },
+  {
+    keys: ['x', 'y', 'z'],
+    help: 'look along an axis',
+    actions: ([0, 1, 2] as const).map((axis) => (view) => {
+      view.lookAlong(axis, 1);
+    }),
+  },
+  {
+    keys: ['X', 'Y', 'Z'],
+    help: 'look against an axis',
+    actions: ([0, 1, 2] as const).map((axis) => (view) => {
+      view.lookAlong(axis, -1);
+    }),
+  },
+  {
+    keys: ['v', 'V'],
+    help: 'next, previous visualization of the file',
+    actions: ([1, -1] as const).map((by) => (view) => {
+      view.nextVisualization(by);
+    }),
+  },
+  {
+    keys: ['c', 'C'],
+    help: 'next, previous camera of the file',
+    actions: ([1, -1] as const).map((by) => (view) => {
+      view.nextCamera(by);
+    }),
+  },
+  {
+    keys: ['s'],
+    help: 'spin, on and off',
+    actions: [
+      (view) => {
+        view.turnSpin();
+      },
+    ],
+  },
+];
+
+/** Does what a key does in the view. Returns whether it does anything. */
+export function press(view: View, key: string): boolean {
+  for (const { keys, actions } of KEYS) {
+    const action = actions[keys.indexOf(key)];
+    if (!action) continue;
+    action(view);
+    return true;
+  }
+  return false;
+}

@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: Apache-2.0
+// A window on the server: sets what it shows, and decides when frames are asked for. The counterpart of
+// tools/gxyviewer/remote_window.h.
+import type { Connection } from '../wire/connection';
+import { type Json, type JsonObject, textsOf } from '../wire/json';
+import { statement } from '../wire/statement';
+import type { FrameEnded, PassShown } from '../worker/messages';
+import { type Box, boxFrom, type Camera, cameraFrom, cameraJson, type Size } from './camera';
+import { FramesAsked } from './frames_asked';
+import { type Detail, Pace } from './pace';
+import type { Pictures } from './pictures';
+
+/** What is to be shown: a document with one visualization and at most one camera, or a view of a graph. */
+export type Shown =
+  | { kind: 'document'; document: JsonObject }
+  | { kind: 'graph'; graph: string; view: string };
+
+export interface WindowStatus {
+  /** For people; an error begins with "error: ". */
+  text: string;
+  /** Whether the picture is that of the newest camera with all its passes. */
+  whole: boolean;
+  /** Of the newest frame: whether its pixels are without loss, how many passes of how many. */
+  lossless: boolean;
+  pass: number;
+  passes: number;
+  generations: Record<string, number>;
+}
+
+interface Frame {
+  number: number;
+  shown: boolean; // its first pass is
+  scale: number;
+  pass: number;
+  ended: boolean;
+  lossless: boolean;
+  status: string;
+  error: string;
+  seconds: number;
+}
+
+const NO_FRAME: Frame = {
+  ...{ number: 0, shown: false, scale: 0, pass: 0, ended: false, lossless: false },
+  ...{ status: '', error: '', seconds: 0 },
+};
+const REST = 250; // After so many milliseconds without a new camera, the camera rests.
+const UNDER_WAY = 2;
+const AGAIN = 1000;
+const AGAIN_AT_MOST = 16_000;
+const MOVING_TILE = 512; // Browsers decode few large JPEGs faster than many small ones.
+
+/**
+ * While the camera moves, frames are JPEG of one level, whose detail adapts to server, link and browser (pace.ts). At most two
+ * are under way: one is rendered while another is transferred. When the camera rests, one lossless frame is asked for, in
+ * passes that each add a ray to every pixel. A frame that the server refuses is asked for again, less and less often. It
+ * outlives connections: it sets itself up again on each. All on the main thread.
+ */
+export class RemoteWindow {
+  readonly id: number;
+  private shown: Shown | null = null;
+  private ready = false; // the server has the window and what it shows
+  private setting: AbortController | null = null;
+  private hidden = false;
+  private camera: Camera | null = null;
+  private cameraSent = false;
+  private movingSent = false;
+  private movedAt = 0;
+  private anyFrame = false;
+  private detail: Detail = { scale: 4, quality: 70 };
+  private pace = new Pace();
+  private asked = new FramesAsked();
+  private frame: Frame = NO_FRAME;
+  private setError = '';
+  private renderError = '';
+  private progress = '';
+  private refusals = 0;
+  private againAt = Infinity;
+  private generations: Record<string, number> = {};
+  private dataBox: Box | null = null;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private readonly ends: (() => void)[];
+
+  /** Called when status() has changed. */
+  onStatus: () => void = () => undefined;
+  /** Called when the server has said which camera it has placed for what is shown. */
+  onCamera: (camera: Camera) => void = () => undefined;
+  onWarning: (text: string) => void = () => undefined;
+
+  constructor(
+    private readonly connection: Connection,
+    private readonly pictures: Pictures,
+    canvas: OffscreenCanvas | null,
+    private size: Size,
+    private passes: number,
+  ) {
+    this.id = pictures.newWindow();
+    pictures.open(this.id, canvas, size, {
+      onBegun: (frame) => {
+        this.begun(frame);
+      },
+      onPass: (pass) => {
+        this.takePass(pass);
+      },
+      onEnded: (frame) => {
+        this.takeEnd(frame);
+      },
+      onBroken: (error) => {
+        this.renderError = error;
+        this.changed();
+      },
+    });
+    this.ends = [
+      connection.onState((state) => {
+        if (state.kind === 'open') this.setUp();
+        else this.ready = false;
+      }),
+      ...['updated', 'added', 'dropped'].map((event) =>
+        connection.on(event, ({ name }) => {
+          if (typeof name === 'string' && name in this.generations) void this.askForBox();
+        }),
+      ),
+    ];
+  }
+
+  /** Ends the window on the server, too. */
+  close(): void {
+    clearTimeout(this.timer);
+    for (const end of this.ends) end();
+    this.setting?.abort();
+    this.pictures.close(this.id);
+    if (this.connection.state.kind === 'open') this.send(statement('viewer.close', [this.id]));
+  }
+
+  /** Shows something. `camera`: from where; null: as what is shown says, which onCamera() then tells. */
+  show(shown: Shown, passes: number, camera: Camera | null): void {
+    this.shown = shown;
+    this.passes = passes;
+    this.camera = camera;
+    this.setUp();
+  }
+
+  setCamera(camera: Camera): void {
+    if (camera === this.camera) return;
+    this.camera = camera;
+    this.cameraSent = false;
+    this.movedAt = performance.now();
+    this.step();
+  }
+
+  resize(size: Size): void {
+    if (size.width === this.size.width && size.height === this.size.height) return;
+    this.pace.resized((size.width * size.height) / (this.size.width * this.size.height));
+    this.size = size;
+    this.pictures.resize(this.id, size);
+    if (!this.ready) return;
+    this.send(statement('viewer.window', [this.id], { size: [size.width, size.height] }));
+    this.cameraSent = false;
+    this.movedAt = performance.now();
+    this.step();
+  }
+
+  /** A hidden window asks for nothing, and the server makes nothing for it. */
+  setHidden(hidden: boolean): void {
+    if (hidden === this.hidden) return;
+    this.hidden = hidden;
+    if (!this.ready) return;
+    this.send(statement('viewer.window', [this.id], { follow: !hidden }));
+    if (hidden) {
+      this.send(statement('viewer.cancel_frame', [this.id]));
+    } else if (this.camera) {
+      this.movingSent = true; // so that it rests at once, and what has come meanwhile is shown
+      this.movedAt = -Infinity;
+      this.step();
+    }
+  }
+
+  /** The box of all data that are shown; null as long as it is not known. */
+  get box(): Box | null {
+    return this.dataBox;
+  }
+
+  get status(): WindowStatus {
+    const { frame } = this;
+    return {
+      text: this.statusText(),
+      whole:
+        this.cameraSent &&
+        !this.movingSent &&
+        this.asked.underWay === 0 &&
+        frame.number === this.asked.newest &&
+        frame.ended &&
+        frame.lossless &&
+        frame.status === 'complete',
+      lossless: frame.lossless,
+      pass: frame.scale === 1 && frame.lossless ? frame.pass + 1 : 0,
+      passes: this.passes,
+      generations: this.generations,
+    };
+  }
+
+  private statusText(): string {
+    const { frame } = this;
+    const why =
+      this.setError || this.renderError || (frame.ended && frame.status === 'failed' ? frame.error : '');
+    if (this.progress) return this.progress;
+    if (why) return `error: ${why}`;
+    if (!this.ready) return 'loading data ...';
+    if (frame.number === 0) return 'waiting for the first picture ...';
+    if (!frame.lossless) {
+      const coarse = frame.scale > 1 ? `, 1 of ${frame.scale} x ${frame.scale} pixels` : '';
+      return `moving: JPEG${coarse}`;
+    }
+    if (frame.scale !== 1) return 'rendering ...';
+    const passes = `${frame.pass + 1} of ${this.passes} passes`;
+    if (!frame.ended) return `lossless, refining: ${passes}`;
+    return `lossless, ${passes}, ${frame.seconds.toFixed(2)} s`;
+  }
+
+  // Makes the window on the server, and tells it what to show.
+  private setUp(): void {
+    this.setting?.abort();
+    const { shown } = this;
+    if (!shown || this.connection.state.kind !== 'open') return;
+    const setting = new AbortController();
+    this.setting = setting;
+    this.ready = false;
+    this.setError = this.renderError = '';
+    this.asked = new FramesAsked();
+    this.frame = NO_FRAME;
+    this.changed();
+    this.askToShow(shown, setting.signal).then(
+      () => {
+        if (!setting.signal.aborted) this.begin();
+      },
+      (error: unknown) => {
+        if (setting.signal.aborted) return;
+        this.setError = error instanceof Error ? error.message : String(error);
+        this.progress = '';
+        this.changed();
+      },
+    );
+  }
+
+  private async askToShow(shown: Shown, signal: AbortSignal): Promise<void> {
+    const { width, height } = this.size;
+    const size = statement('viewer.window', [this.id], { size: [width, height], follow: !this.hidden });
+    const options = {
+      signal,
+      onProgress: ({ text }: JsonObject) => {
+        this.progress = typeof text === 'string' ? text : '';
+        this.changed();
+      },
+    };
+    const set =
+      shown.kind === 'document'
+        ? statement('viewer.set', [this.id], shown.document)
+        : statement('viewer.show', [this.id], { graph: shown.graph, view: shown.view });
+    const asked = [this.connection.request(size), this.connection.request(set, options)] as const;
+    const [, reply] = await Promise.all(asked);
+    if (signal.aborted) return;
+    this.progress = '';
+    for (const warning of textsOf(reply, 'warnings')) this.onWarning(warning);
+    await this.askForBox();
+  }
+
+  // Asks which camera the server has, unless the page has one already, and for the box of the data.
+  private async askForBox(): Promise<void> {
+    const words: Json[] = this.camera ? [cameraJson(this.camera)] : [];
+    const given = words[0] ? { Camera: words[0] } : undefined;
+    const reply = await this.connection.request(statement('viewer.camera', [this.id], given));
+    this.dataBox = boxFrom(reply['box']);
+    if (this.camera) return;
+    this.camera = cameraFrom(reply['Camera']);
+    this.onCamera(this.camera);
+  }
+
+  private begin(): void {
+    this.ready = true;
+    this.cameraSent = false;
+    this.movedAt = performance.now();
+    this.changed();
+    this.step();
+  }
+
+  /** Asks for a frame if one is due. */
+  private step(): void {
+    clearTimeout(this.timer);
+    if (!this.ready || this.hidden || !this.camera) return;
+    const now = performance.now();
+    if (!this.cameraSent) {
+      if (this.asked.underWay < UNDER_WAY) this.render(true, this.camera);
+    } else if (this.asked.underWay === 0) {
+      const due = this.movingSent ? this.movedAt + REST : this.againAt;
+      if (due <= now) this.render(false, this.camera);
+      else if (due !== Infinity) this.timer = setTimeout(this.step.bind(this), due - now);
+    }
+  }
+
+  private render(moving: boolean, camera: Camera): void {
+    const options: JsonObject = { Camera: cameraJson(camera), rays: 1 };
+    if (moving) {
+      this.detail = this.pace.choose();
+      options['levels'] = [this.detail.scale];
+      options['encoding'] = 'jpeg';
+      options['quality'] = this.detail.quality;
+      options['tile'] = MOVING_TILE;
+      options['wait'] = this.movingSent; // It does not wait for a frame at rest.
+    } else {
+      const { scale } = this.detail;
+      options['levels'] = this.anyFrame && scale > 1 ? [scale, 1] : [1];
+      options['passes'] = this.passes;
+    }
+    this.asked.ask(camera, moving ? this.detail : null);
+    const { asked } = this;
+    this.againAt = Infinity;
+    this.cameraSent = true;
+    this.movingSent = moving;
+    this.connection
+      .request(statement('viewer.render', [this.id], options), { onProgress: this.takeProgress })
+      .then(
+        ({ frame }) => {
+          this.progress = '';
+          asked.number(typeof frame === 'number' ? frame : 0);
+          this.step();
+        },
+        (error: unknown) => {
+          this.progress = '';
+          asked.refuse();
+          if (asked !== this.asked) return;
+          this.renderError = error instanceof Error ? error.message : String(error);
+          this.againAt = performance.now() + Math.min(AGAIN * 2 ** this.refusals, AGAIN_AT_MOST);
+          this.refusals = Math.min(this.refusals + 1, 10);
+          this.changed();
+          this.step();
+        },
+      );
+  }
+
+  private readonly takeProgress = ({ text }: JsonObject) => {
+    this.progress = typeof text === 'string' ? text : '';
+    this.changed();
+  };
+
+  // Pixels have come, so earlier errors are over.
+  private begun(number: number): void {
+    if (number <= this.frame.number) return;
+    this.frame = { ...NO_FRAME, number, scale: this.frame.scale, lossless: this.frame.lossless };
+    this.renderError = '';
+    this.refusals = 0;
+    this.againAt = Infinity;
+  }
+
+  private takePass(pass: PassShown): void {
+    if (pass.frame < this.frame.number) return;
+    this.begun(pass.frame);
+    const { frame } = this;
+    frame.scale = pass.scale;
+    frame.pass = pass.pass;
+    if (!frame.shown) {
+      frame.shown = true;
+      this.generations = pass.generations;
+      this.anyFrame = true;
+      const moving = this.asked.find(frame.number)?.moving;
+      if (moving) {
+        const { bytes, bytesPerSecond } = pass;
+        this.pace.take({ detail: moving, rendering: pass.seconds, bytes, bytesPerSecond });
+      }
+      frame.lossless = !moving;
+    }
+    if (pass.scale === 1) frame.lossless = pass.lossless;
+    this.asked.done(frame.number);
+    this.changed();
+    this.step();
+  }
+
+  private takeEnd(end: FrameEnded): void {
+    if (end.frame > this.frame.number && end.status === 'superseded') {
+      this.asked.skip(end.frame); // It never began, so the frame before it goes on.
+    } else if (end.frame >= this.frame.number) {
+      if (end.frame > this.frame.number) this.frame = { ...NO_FRAME, number: end.frame };
+      const { status, error, seconds } = end;
+      Object.assign(this.frame, { ended: true, status, error, seconds });
+      this.generations = end.generations;
+      this.asked.done(end.frame);
+    }
+    this.changed();
+    this.step();
+  }
+
+  private send(text: string): void {
+    this.connection.request(text).catch((error: unknown) => {
+      this.renderError = error instanceof Error ? error.message : String(error);
+      this.changed();
+    });
+  }
+
+  private changed(): void {
+    this.onStatus();
+  }
+}

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// A view: what is shown, from where, and what keys and mouse do. It outlives its elements of the page.
+import type { Connection } from '../wire/connection';
+import type { JsonObject } from '../wire/json';
+import { textOf } from '../wire/json';
+import { statement } from '../wire/statement';
+import type { Camera, Size } from './camera';
+import { camerasOf, datasetsOf, raysPerPixelOf, shownPart, visualizationsOf, withCamera } from './document';
+import type { Pictures } from './pictures';
+import { RemoteWindow, type Shown, type WindowStatus } from './remote_window';
+import { still } from './still';
+import { lookAlong, reset, roll, rotate, turn, turnAbout, wheel, zoom, pan, type Place } from './trackball';
+
+/** Where a view's content comes from. */
+export type Source =
+  | { kind: 'document'; document: JsonObject }
+  | { kind: 'graph'; graph: string; view: string };
+
+export interface ViewStatus extends WindowStatus {
+  /** Which of several visualizations and cameras of the document are shown; empty if there is one of each. */
+  place: string;
+  spinning: boolean;
+}
+
+const PASSES = 16;
+const SPIN = 30; // degrees a second
+const NOTHING: WindowStatus = {
+  ...{ text: '', whole: false, lossless: false, pass: 0, passes: PASSES, generations: {} },
+};
+
+export class View {
+  private window: RemoteWindow | null = null;
+  private size: Size = { width: 1, height: 1 };
+  private camera: Camera | null = null;
+  private home: Camera | null = null; // of the document, as the server has placed it
+  private visualization = 0;
+  private cameraIndex = 0;
+  private centered = false; // the camera turns about the data, as far as that was to be done
+  private spin = 0; // the animation frame that is asked for
+  private hidden = false;
+  private shown: ViewStatus = { ...NOTHING, place: '', spinning: false };
+  private readonly listeners = new Set<() => void>();
+
+  onNotice: (text: string) => void = () => undefined;
+  onError: (error: unknown) => void = () => undefined;
+
+  constructor(
+    readonly id: number,
+    readonly title: string,
+    private source: Source,
+    private readonly connection: Connection,
+    private readonly pictures: Pictures,
+  ) {}
+
+  /** Begins to paint into a canvas, which stays this view's. */
+  attach(canvas: OffscreenCanvas, size: Size): void {
+    this.window?.close();
+    this.size = size;
+    this.window = new RemoteWindow(this.connection, this.pictures, canvas, size, this.passes);
+    this.window.onStatus = () => {
+      this.changed();
+    };
+    this.window.onCamera = (camera) => {
+      this.home = camera;
+      this.camera = camera;
+    };
+    this.window.onWarning = (text) => {
+      this.onNotice(text);
+    };
+    this.window.setHidden(this.hidden);
+    this.window.show(this.source.kind === 'graph' ? this.source : this.part(), this.passes, this.camera);
+  }
+
+  /** The canvas goes away. What is shown, and from where, stays. */
+  detach(): void {
+    this.stopSpin();
+    this.window?.close();
+    this.window = null;
+  }
+
+  subscribe(listener: () => void): () => void {
+    this.listeners.add(listener);
+    return () => {
+      this.listeners.delete(listener);
+    };
+  }
+
+  get status(): ViewStatus {
+    return this.shown;
+  }
+
+  /** Names of what is shown, for people. */
+  get content(): string {
+    if (this.source.kind === 'graph') return `${this.source.view} of graph ${this.source.graph}`;
+    return datasetsOf(this.source.document, this.visualization).join(', ');
+  }
+
+  /** The document with the camera of now; null: the view is one of a graph. */
+  get document(): JsonObject | null {
+    if (this.source.kind === 'graph') return null;
+    const { document } = this.source;
+    const moved = this.camera !== null && this.camera !== this.home;
+    return moved && this.camera ? withCamera(document, this.cameraIndex, this.camera) : document;
+  }
+
+  resize(size: Size): void {
+    this.size = size;
+    this.window?.resize(size);
+  }
+
+  setHidden(hidden: boolean): void {
+    this.hidden = hidden;
+    if (hidden) this.stopSpin();
+    this.window?.setHidden(hidden);
+  }
+
+  // --- motions; places are in pixels of the canvas, y upwards ---
+
+  rotate(from: Place, to: Place): void {
+    this.move((camera) => rotate(camera, from, to, this.size));
+  }
+  pan(from: Place, to: Place): void {
+    this.move((camera) => pan(camera, from, to, this.size));
+  }
+  zoom(from: Place, to: Place): void {
+    this.move((camera) => zoom(camera, from, to, this.size));
+  }
+  roll(from: Place, to: Place): void {
+    this.move((camera) => roll(camera, from, to, this.size));
+  }
+  wheel(notches: number): void {
+    this.move((camera) => wheel(camera, notches));
+  }
+  turn(azimuth: number, elevation: number): void {
+    this.move((camera) => turn(camera, azimuth, elevation));
+  }
+  lookAlong(axis: 0 | 1 | 2, sign: 1 | -1): void {
+    this.move((camera) => lookAlong(camera, axis, sign));
+  }
+  /** All data in view. */
+  reset(): void {
+    const box = this.window?.box;
+    if (box) this.move((camera) => reset(camera, box));
+    else this.onNotice('There are no data to reset to yet.');
+  }
+  /** Back to the document's camera. */
+  back(): void {
+    const { home } = this;
+    if (home) this.move(() => home);
+  }
+
+  turnSpin(): void {
+    if (this.spin) {
+      this.stopSpin();
+      return;
+    }
+    let last = performance.now();
+    const step = (now: number) => {
+      this.turn((SPIN * (now - last)) / 1000, 0);
+      last = now;
+      this.spin = requestAnimationFrame(step);
+    };
+    this.spin = requestAnimationFrame(step);
+    this.changed();
+  }
+
+  // --- which of the document's visualizations and cameras ---
+
+  nextVisualization(by: 1 | -1): void {
+    if (this.source.kind === 'graph') return;
+    const count = visualizationsOf(this.source.document).length;
+    this.visualization = (this.visualization + count + by) % count;
+    this.window?.show(this.part(), this.passes, this.camera);
+  }
+
+  nextCamera(by: 1 | -1): void {
+    if (this.source.kind === 'graph') return;
+    const count = Math.max(1, camerasOf(this.source.document).length);
+    this.cameraIndex = (this.cameraIndex + count + by) % count;
+    this.camera = this.home = null;
+    this.window?.show(this.part(), this.passes, null);
+  }
+
+  // --- what the user asks for ---
+
+  /** A PNG of this moment's camera, with all passes and the server's pixels to the bit. */
+  async picture(): Promise<Uint8Array<ArrayBuffer>> {
+    const { window, camera } = this;
+    if (!window || !camera) throw new Error('screenshot: there is no picture yet');
+    if (window.status.whole) return this.pictures.png(window.id);
+    const shown: Shown = this.source.kind === 'graph' ? this.source : this.part();
+    return still(this.connection, this.pictures, { shown, camera, size: this.size, passes: this.passes });
+  }
+
+  /** What surface is at a place: text for people. */
+  async pick({ x, y }: Place): Promise<string> {
+    if (!this.window) return '';
+    const words = [this.window.id, Math.floor(x), Math.floor(y)];
+    const reply = await this.connection.request(statement('viewer.pick', words));
+    return textOf(reply, 'text', 'There is no surface.');
+  }
+
+  private get passes(): number {
+    const rays = this.source.kind === 'document' ? raysPerPixelOf(this.source.document) : 1;
+    return Math.max(PASSES, rays);
+  }
+
+  private part(): Shown {
+    const document = this.source.kind === 'document' ? this.source.document : {};
+    return { kind: 'document', document: shownPart(document, this.visualization, this.cameraIndex) };
+  }
+
+  private move(change: (camera: Camera) => Camera): void {
+    const { window, camera } = this;
+    if (!window || !camera) return;
+    const from = window.box && !this.centered ? turnAbout(camera, window.box) : camera;
+    this.centered ||= window.box !== null;
+    this.camera = change(from);
+    window.setCamera(this.camera);
+  }
+
+  private stopSpin(): void {
+    cancelAnimationFrame(this.spin);
+    this.spin = 0;
+    this.changed();
+  }
+
+  private changed(): void {
+    const of = (what: string, index: number, count: number) =>
+      count > 1 ? [`${what} ${index + 1} of ${count}`] : [];
+    const document = this.source.kind === 'document' ? this.source.document : {};
+    const place = [
+      ...of('visualization', this.visualization, visualizationsOf(document).length),
+      ...of('camera', this.cameraIndex, camerasOf(document).length),
+    ].join(', ');
+    this.shown = { ...(this.window?.status ?? NOTHING), place, spinning: this.spin !== 0 };
+    for (const listener of [...this.listeners]) listener();
+  }
+}
