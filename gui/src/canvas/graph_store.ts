@@ -116,7 +116,10 @@ const NEVER = (): (() => void) => () => undefined;
 
 export function useSnapshot(): GraphSnapshot | undefined {
   const session = useGraphStore((s) => s.session);
-  return useSyncExternalStore<GraphSnapshot | undefined>(session?.subscribe ?? NEVER, session ? () => session.snapshot : NO_SNAPSHOT);
+  return useSyncExternalStore<GraphSnapshot | undefined>(
+    session?.subscribe ?? NEVER,
+    session ? () => session.snapshot : NO_SNAPSHOT,
+  );
 }
 
 export function liveTypes(live: readonly LiveDataset[]): LiveTypes {
@@ -131,5 +134,8 @@ export function useNodeGraph(): NodeGraph {
   const catalogue = useGraphStore((s) => s.catalogue);
   const live = useGraphStore((s) => s.live);
   const types = useMemo(() => liveTypes(live), [live]);
-  return useMemo(() => (document ? nodesOf(document, catalogue, types) : NO_NODES), [document, catalogue, types]);
+  return useMemo(
+    () => (document ? nodesOf(document, catalogue, types) : NO_NODES),
+    [document, catalogue, types],
+  );
 }

@@ -31,8 +31,19 @@ function InputRow({ node, input }: { node: GraphNode; input: NodeInput }) {
   const isNeeded = !input.isOptional && input.sources.length === 0 && !input.isAnyName;
   return (
     <div className="port-row">
-      <Handle type="target" position={Position.Left} id={INPUT + input.name} className={`port port-${type}`} aria-hidden />
-      <button type="button" className={`port-name nodrag${isNeeded ? ' needed' : ''}`} data-port={INPUT + input.name} aria-label={inputLabel(node, input)}>
+      <Handle
+        type="target"
+        position={Position.Left}
+        id={INPUT + input.name}
+        className={`port port-${type}`}
+        aria-hidden
+      />
+      <button
+        type="button"
+        className={`port-name nodrag${isNeeded ? ' needed' : ''}`}
+        data-port={INPUT + input.name}
+        aria-label={inputLabel(node, input)}
+      >
         {input.name === '' ? '+ input' : <Foreign text={input.name} />}
         {missing.length > 0 && (
           <span className="missing">
@@ -49,8 +60,18 @@ function Progress({ node, state }: { node: GraphNode; state: NodeState }) {
   const session = useGraphStore((s) => s.session);
   return (
     <div className="progress">
-      <progress max={state.of || 1} {...(state.of > 0 ? { value: state.done } : {})} aria-label={`Progress of ${titleOf(node)}`} />
-      <button type="button" className="nodrag" aria-label={`Cancel ${titleOf(node)}`} title="Cancel" onClick={() => session?.cancel(node.name)}>
+      <progress
+        max={state.of || 1}
+        {...(state.of > 0 ? { value: state.done } : {})}
+        aria-label={`Progress of ${titleOf(node)}`}
+      />
+      <button
+        type="button"
+        className="nodrag"
+        aria-label={`Cancel ${titleOf(node)}`}
+        title="Cancel"
+        onClick={() => session?.cancel(node.name)}
+      >
         ×
       </button>
     </div>
@@ -114,7 +135,13 @@ export const NodeCard = memo(function NodeCard({ data, selected }: NodeProps<Car
             >
               {node.gives ?? ''}
             </button>
-            <Handle type="source" position={Position.Right} id={OUTPUT} className={`port port-${type}`} aria-hidden />
+            <Handle
+              type="source"
+              position={Position.Right}
+              id={OUTPUT}
+              className={`port port-${type}`}
+              aria-hidden
+            />
           </>
         )}
       </div>

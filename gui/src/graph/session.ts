@@ -20,6 +20,8 @@ export interface GraphSnapshot {
   readonly name: string;
   readonly isLoaded: boolean;
   readonly isPaused: boolean;
+  /** How many edits nothing has been evaluated for, while the graph is paused. */
+  readonly unrun: number;
   /** The server has no such graph: it was dropped, or another server answers. */
   readonly isGone: boolean;
   readonly document: JsonObject;
@@ -52,6 +54,7 @@ export class GraphSession {
   private log: readonly LogLine[] = [];
   private held: JsonObject[] | undefined = []; // events that came before the document
   private isPaused = false;
+  private ranAt = 0; // the revision of the last run of a paused graph
   private isGone = false;
   private isTold = false; // whether listeners will be told at the end of this turn
   private current: GraphSnapshot;
@@ -137,13 +140,16 @@ export class GraphSession {
   }
 
   run(node?: string): void {
+    this.ranAt = this.shared.revision;
     this.say('graph.run', node);
+    this.changed();
   }
   cancel(node?: string): void {
     this.say('graph.cancel', node);
   }
   setPaused(isPaused: boolean): void {
     this.isPaused = isPaused;
+    this.ranAt = this.shared.revision;
     this.say(isPaused ? 'graph.pause' : 'graph.resume');
     this.changed();
   }
@@ -191,6 +197,7 @@ export class GraphSession {
     this.shared.reset(isObject(document) ? document : {}, numberOf(reply, 'revision'));
     this.states = statesIn(reply);
     this.isPaused = member(reply, 'paused') === true;
+    if (this.ranAt === 0) this.ranAt = this.shared.revision;
     this.isGone = false;
     const events = this.held ?? [];
     this.held = undefined;
@@ -281,6 +288,7 @@ export class GraphSession {
       name: this.name,
       isLoaded: shared.revision > 0,
       isPaused: this.isPaused,
+      unrun: this.isPaused ? shared.revision - this.ranAt : 0,
       isGone: this.isGone,
       document: shared.shown,
       revision: shared.revision,
