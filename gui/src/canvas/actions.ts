@@ -41,6 +41,7 @@ import { statement } from '../wire/statement';
 import type { AddItem } from './add_items';
 import { firstLook } from './add_items';
 import { dataTypeOf, liveTypes, useGraphStore } from './graph_store';
+import { COLUMN } from './layout';
 
 const store = useGraphStore.getState;
 
@@ -281,7 +282,7 @@ function addScene(edit: Change, name: string, scene: Json, [x, y]: Position): vo
     dataset: name,
     name: `${name} look`,
   };
-  const added = addNode(edit.document, 'Operators', look, [x + 290, y]);
+  const added = addNode(edit.document, 'Operators', look, [x + COLUMN, y]);
   edit.add(added.edits);
   const views = edit.graph.nodes.filter((n) => n.role === 'view');
   const view = views.find((v) => store().selection.includes(v.id)) ?? views[0];
@@ -291,7 +292,7 @@ function addScene(edit: Change, name: string, scene: Json, [x, y]: Position): vo
     const camera = member(scene, 'Camera') ?? objectsIn(member(scene, 'Cameras'))[0] ?? { fit: true };
     const base = isObject(visualization) ? withoutMember(visualization, 'operators') : {};
     const made = { ...base, name: 'view', operators: [lookName], camera };
-    edit.add(addNode(edit.document, 'Visualizations', made, [x + 580, y]).edits);
+    edit.add(addNode(edit.document, 'Visualizations', made, [x + 2 * COLUMN, y]).edits);
   }
   make(edit, [added.id]);
   openView(view?.name ?? (namesOf(edit.document, 'Visualizations')[0] as string));

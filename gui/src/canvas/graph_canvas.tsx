@@ -7,6 +7,7 @@ import {
   Controls,
   type Edge,
   type FinalConnectionState,
+  type NodeChange,
   ReactFlow,
   ReactFlowProvider,
   applyEdgeChanges,
@@ -240,7 +241,7 @@ function Canvas() {
 
   async function arrange(): Promise<void> {
     const sizes = new Map(
-      cards.map((c) => [c.id, { width: c.measured?.width ?? 220, height: c.measured?.height ?? 100 }]),
+      cards.map((c) => [c.id, { width: c.measured?.width ?? 190, height: c.measured?.height ?? 100 }]),
     );
     move(await arranged(graph, sizes));
     setTimeout(() => void flow.fitView({ maxZoom: 1, padding: 0.08 }), 50);
@@ -290,6 +291,7 @@ function Canvas() {
       tabIndex={0}
       onPointerDown={() => {
         byMouse.current = true;
+        if (message !== '') say('');
       }}
       onKeyDown={(event) => {
         const wasByMouse = byMouse.current;
@@ -341,7 +343,10 @@ function Canvas() {
         edges={edges}
         nodeTypes={TYPES}
         onNodesChange={(changes) => {
-          setCards((before) => applyNodeChanges(changes, before));
+          const chosen = withSelection(useGraphStore.getState().selection, changes);
+          if (chosen) select(chosen);
+          const others = changes.filter((c) => c.type !== 'select');
+          if (others.length > 0) setCards((before) => applyNodeChanges(others, before));
           // The keys of a node that is focused move it, too; a drag ends in endDrag().
           const byKey = changes.flatMap((c): [string, Position][] =>
             c.type === 'position' &&
@@ -354,10 +359,6 @@ function Canvas() {
           if (byKey.length > 0) move(new Map(byKey), 'move by keys');
         }}
         onEdgesChange={(changes) => setEdges((before) => applyEdgeChanges(changes, before))}
-        onSelectionChange={({ nodes }) => {
-          const ids = nodes.map((n) => n.id);
-          if (ids.join('\n') !== useGraphStore.getState().selection.join('\n')) select(ids);
-        }}
         onNodeDragStop={endDrag}
         onNodeDoubleClick={(_, card) => {
           if (card.data.node.role === 'view') openView(card.data.node.name);
@@ -392,6 +393,17 @@ function Canvas() {
       </div>
     </div>
   );
+}
+
+/** The ids that are selected after changes by the user; undefined: these change no selection. */
+function withSelection(
+  before: readonly string[],
+  changes: readonly NodeChange<CardNode>[],
+): readonly string[] | undefined {
+  const made = changes.filter((c) => c.type === 'select');
+  if (made.length === 0) return undefined;
+  const off = new Set(made.map((c) => c.id));
+  return [...before.filter((id) => !off.has(id)), ...made.filter((c) => c.selected).map((c) => c.id)];
 }
 
 function isTyping(target: EventTarget): boolean {

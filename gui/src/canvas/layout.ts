@@ -3,7 +3,7 @@
 import type { Position } from '../graph/changes';
 import type { NodeGraph } from '../graph/nodes';
 
-export const COLUMN = 290;
+export const COLUMN = 240;
 const GAP = 28;
 
 /** How high a card is, as far as it can be told before it is drawn. */
@@ -56,11 +56,11 @@ export async function arranged(
 ): Promise<Map<string, Position>> {
   const { default: dagre } = await import('@dagrejs/dagre');
   const plan = new dagre.graphlib.Graph({ multigraph: true });
-  plan.setGraph({ rankdir: 'LR', nodesep: GAP, ranksep: 70 });
+  plan.setGraph({ rankdir: 'LR', nodesep: GAP, ranksep: 50 });
   plan.setDefaultEdgeLabel(() => ({}));
   for (const node of graph.nodes)
     plan.setNode(node.id, {
-      ...(sizes.get(node.id) ?? { width: 220, height: heightOf(node.inputs.length) }),
+      ...(sizes.get(node.id) ?? { width: 190, height: heightOf(node.inputs.length) }),
     });
   for (const edge of graph.edges) plan.setEdge(edge.source, edge.target, {}, edge.id);
   dagre.layout(plan);

@@ -103,7 +103,7 @@ function Footer({ node, state, problems }: CardData) {
           {state?.rank !== undefined && own === undefined && ` (rank ${state.rank})`}
         </p>
       )}
-      {error === '' && !isQuiet && state && state.text !== '' && state.kind !== 'waiting' && (
+      {error === '' && !isQuiet && state && state.text !== '' && (
         <p className="node-text">
           <Foreign text={state.text} />
         </p>

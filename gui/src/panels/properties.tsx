@@ -127,7 +127,7 @@ function PropertyRow({ node, property }: { node: GraphNode; property: Property }
       >
         ↺
       </button>
-      <p id={`${id}-help`} className="help">
+      <p id={`${id}-help`} className="hint">
         {problem !== '' && (
           <span className="error" role="alert">
             <Foreign text={problem} />{' '}
@@ -167,7 +167,7 @@ function NameField({ node }: { node: GraphNode }) {
         }}
       />
       {problem !== '' && (
-        <p className="help error" role="alert">
+        <p className="hint error" role="alert">
           <Foreign text={problem} />
         </p>
       )}
@@ -217,7 +217,7 @@ export function NodeForm({ node }: { node: GraphNode }) {
         </details>
       )}
       <UnknownKeys node={node} known={properties} />
-      {help && <p className="help">{plainText(help)}</p>}
+      {help && <p className="hint">{plainText(help)}</p>}
     </form>
   );
 }
