@@ -118,10 +118,10 @@ export interface AddPlace {
   readonly target?: { readonly id: string; readonly input: string };
 }
 
-/** Adds a node, connected as the place says, and selects it. */
-export function addItem(item: AddItem, place: AddPlace): void {
+/** Adds a node, connected as the place says, and selects it. Returns its id. */
+export function addItem(item: AddItem, place: AddPlace): string {
   const edit = change();
-  if (!edit) return;
+  if (!edit) return '';
   const { id, edits } = addNode(edit.document, item.section, item.entry, place.at);
   edit.add(edits);
   const { source, target } = place;
@@ -138,6 +138,7 @@ export function addItem(item: AddItem, place: AddPlace): void {
     if (problem !== '') store().say(problem);
   }
   make(edit, [id]);
+  return id;
 }
 
 export function removeSelected(nodes: readonly string[], edges: readonly GraphEdge[]): void {

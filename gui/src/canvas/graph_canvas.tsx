@@ -264,8 +264,15 @@ function Canvas() {
       }
       onClose={close}
       onChoose={(item) => {
-        addItem(item, opened.place as AddPlace);
+        const id = addItem(item, opened.place as AddPlace);
         close();
+        // Keys go on at the new node, once it is drawn.
+        setTimeout(() => {
+          const card = [...document.querySelectorAll<HTMLElement>('.react-flow__node')].find(
+            (e) => e.dataset['id'] === id,
+          );
+          card?.focus({ preventScroll: true });
+        }, 50);
       }}
     />
   ) : opened?.port ? (
