@@ -32,7 +32,9 @@ std::optional<std::string_view> afterWord(std::string_view text, std::string_vie
 }
 
 std::string helloText(const Hello& hello) {
-  return "hello " + dump({{"token", hello.token}, {"client", hello.client}, {"tenant", hello.tenant}});
+  nlohmann::json object{{"token", hello.token}, {"client", hello.client}, {"tenant", hello.tenant}};
+  if (!hello.ticket.empty()) object["ticket"] = hello.ticket;
+  return "hello " + dump(object);
 }
 
 std::string asLogged(std::string_view text) { return inQuotes(text.substr(0, 80)); }
@@ -43,6 +45,7 @@ Hello parseHello(std::string_view text) {
   const nlohmann::json object = parseObject(*json, "hello");
   Hello hello;
   hello.token = member(object, "token", std::string(), "hello");
+  hello.ticket = member(object, "ticket", std::string(), "hello");
   hello.client = member(object, "client", std::string("unnamed"), "hello");
   hello.tenant = member(object, "tenant", hello.tenant, "hello");
   if (hello.client.size() > 255 || hello.tenant.empty() || hello.tenant.size() > 255)
@@ -53,17 +56,19 @@ Hello parseHello(std::string_view text) {
 }
 
 std::string welcomeText(const Welcome& w) {
-  return "welcome " + dump({{"server", w.server},
-                            {"session", w.session},
-                            {"tenant", w.tenant},
-                            {"administrator", w.administrator},
-                            {"ranks", w.ranks},
-                            {"limits",
-                             {{"request bytes", w.limits.requestBytes},
-                              {"requests", w.limits.requests},
-                              {"windows", w.limits.windows},
-                              {"pixels", w.limits.pixels},
-                              {"clients", w.limits.clients}}}});
+  nlohmann::json object{{"server", w.server},
+                        {"session", w.session},
+                        {"tenant", w.tenant},
+                        {"administrator", w.administrator},
+                        {"ranks", w.ranks},
+                        {"limits",
+                         {{"request bytes", w.limits.requestBytes},
+                          {"requests", w.limits.requests},
+                          {"windows", w.limits.windows},
+                          {"pixels", w.limits.pixels},
+                          {"clients", w.limits.clients}}}};
+  if (!w.token.empty()) object["token"] = w.token;
+  return "welcome " + dump(object);
 }
 
 Welcome parseWelcome(std::string_view text) {
@@ -76,6 +81,7 @@ Welcome parseWelcome(std::string_view text) {
   w.tenant = member(object, "tenant", std::string(), "welcome");
   w.administrator = member(object, "administrator", false, "welcome");
   w.ranks = member(object, "ranks", 0, "welcome");
+  w.token = member(object, "token", std::string(), "welcome");
   const auto limits = member(object, "limits", nlohmann::json::object(), "welcome");
   w.limits.requestBytes = member(limits, "request bytes", w.limits.requestBytes, "welcome");
   w.limits.requests = member(limits, "requests", w.limits.requests, "welcome");

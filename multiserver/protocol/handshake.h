@@ -21,6 +21,7 @@ struct Limits {
 struct Hello {
   std::string token, client;
   std::string tenant = "user";  ///< used only by a server without tokens
+  std::string ticket{};         ///< stands for the token, once; empty: there is none
 };
 
 struct Welcome {
@@ -29,6 +30,7 @@ struct Welcome {
   bool administrator = false;
   int ranks = 0;
   Limits limits;
+  std::string token{};  ///< for a client that came with a ticket; else empty
 };
 
 /// Control texts consist of a word and the text after it.

@@ -6,13 +6,12 @@
 #include <sys/ioctl.h>
 
 #include <boost/asio/post.hpp>
-#include <boost/asio/read.hpp>
-#include <boost/asio/write.hpp>
 
 #include <algorithm>
 
 #include "core/comm/error.h"
 #include "multiserver/protocol/json.h"
+#include "multiserver/web/tcp_line.h"
 
 namespace gxy {
 
@@ -28,23 +27,26 @@ constexpr int kUnsent = 64 << 10;
 }  // namespace
 
 Connection::Connection(Socket socket, std::shared_ptr<asio::io_context> context, ServerRank& serverRank,
-                       Options options, Dialogue::Admit admit, Closed closed)
+                       Options options, std::shared_ptr<const Site> site, Dialogue::Admit admit,
+                       Closed closed)
     : context_(std::move(context)),
-      socket_(std::move(socket)),
-      timer_(socket_.get_executor()),
+      line_(makeTcpLine(std::move(socket))),
+      timer_(*context_),
       serverRank_(serverRank),
       options_(options),
+      site_(std::move(site)),
       admit_(std::move(admit)),
       onClosed_(std::move(closed)) {}
 
 void Connection::start() {
+  Socket& socket = line_->socket();
   boost::system::error_code ignored;
-  socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
-  socket_.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
-  ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsent, sizeof kUnsent);
+  socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+  socket.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
+  ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsent, sizeof kUnsent);
   // A machine that acknowledges nothing, not even pings, is gone.
   const auto gone = unsigned(options_.patience.silence.count());
-  ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &gone, sizeof gone);
+  ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &gone, sizeof gone);
   // Makes a function that calls `action` on the sockets' thread, as long as the connection lives.
   const auto later = [weak = weak_from_this(), context = context_](void (Connection::*action)()) {
     return [weak, context, action] {
@@ -64,17 +66,62 @@ void Connection::start() {
         outbox->chargeTo(serverRank_.ledger.enter(session->tenant(), "to be sent", 0));
         return session;
       });
-  greet();
-  read();
+  listenFirst();
   watch();
 }
 
+// Reads until it is clear what the client speaks.
+void Connection::listenFirst() {
+  reading_ = true;
+  const size_t had = unread_.size();
+  const auto into = std::span(buffer_).subspan(had, protocol::kPreambleBytes - had);
+  line_->read(into, [self = shared_from_this(), had](auto failed, size_t size) {
+    self->reading_ = false;
+    if (failed) return self->close();
+    self->heard_ = Clock::now();
+    self->received_ += size;
+    self->unread_ = std::span<const std::byte>(self->buffer_).first(had + size);
+    const Opening opening = openingOf(self->unread_);
+    if (opening == Opening::Unknown) return self->listenFirst();
+    self->open(opening);
+  });
+}
+
+void Connection::open(Opening opening) {
+  if (closed_) return;
+  if (opening == Opening::Galaxy) return consume();
+  if (opening == Opening::Web && site_) return serveBrowser();
+  close();
+}
+
+void Connection::serveBrowser() {
+  browses_ = true;
+  const auto line = makeWebLine(std::move(line_->socket()), site_, std::exchange(unread_, {}));
+  line_ = line;
+  line->serve([weak = weak_from_this()](WebLine::State state) {
+    if (const auto self = weak.lock()) self->browserIs(state);
+  });
+}
+
+void Connection::browserIs(WebLine::State state) {
+  if (closed_) return;
+  if (state == WebLine::State::Ended) return close();
+  answering_ = state == WebLine::State::Answers;
+  waits_ = heard_ = Clock::now();
+  if (state != WebLine::State::Upgraded) return;
+  browses_ = false;
+  dialogue_->skipPreamble();
+  open_ = true;
+  read();
+}
+
 void Connection::read() {
-  if (reading_ || closed_ || leaving_ || dialogue_->paused()) return;
+  if (reading_ || browses_ || closed_ || leaving_ || dialogue_->paused()) return;
   if (!unread_.empty()) return consume();
   reading_ = true;
-  socket_.async_read_some(asio::buffer(buffer_), [self = shared_from_this()](auto failed, size_t size) {
+  line_->read(buffer_, [self = shared_from_this()](auto failed, size_t size) {
     self->reading_ = false;
+    if (failed && !self->line_->violation().empty()) return self->bye(self->line_->violation());
     if (failed) return self->close();
     self->heard_ = Clock::now();
     self->received_ += size;
@@ -85,19 +132,22 @@ void Connection::read() {
 
 void Connection::consume() {
   if (closed_ || leaving_) return;
+  std::string wrong;
   try {
     dialogue_->take(unread_);
   } catch (const std::exception& e) {
-    return bye(e.what());
+    wrong = e.what();
   }
+  if (!open_ && dialogue_->preambleTaken()) greet();
+  if (!wrong.empty()) return bye(wrong);
   if (dialogue_->over()) return close();
   // A direct call would grow the stack with each read.
-  asio::post(socket_.get_executor(), [self = shared_from_this()] { self->read(); });
+  asio::post(*context_, [self = shared_from_this()] { self->read(); });
 }
 
 void Connection::greet() {
-  writing_ = true;
-  asio::async_write(socket_, asio::buffer(greeting_), [self = shared_from_this()](auto failed, size_t) {
+  open_ = writing_ = true;
+  line_->write(greeting_, {}, [self = shared_from_this()](auto failed, size_t) {
     self->writing_ = false;
     if (failed) return self->close();
     self->write();
@@ -110,7 +160,7 @@ void Connection::wake() {
 }
 
 void Connection::write() {
-  if (writing_ || closed_) return;
+  if (writing_ || closed_ || !open_) return;
   writing_ = true;
   auto message = outbox_->next();
   if (!message) {
@@ -120,18 +170,13 @@ void Connection::write() {
   }
   sent_ = *std::move(message);
   header_ = protocol::headerOf(sent_);
-  const bool control = sent_.channel == MessageChannel::Control;
-  const std::array<asio::const_buffer, 2> parts{asio::buffer(header_), asio::buffer(sent_.payload)};
-  const auto wrote = [this, control, before = written_](auto failed, size_t size) {
-    if (!control) written_ = before + int64_t(size);
-    return asio::transfer_all()(failed, size);
-  };
-  asio::async_write(socket_, parts, wrote, [self = shared_from_this()](auto failed, size_t) {
+  const size_t bytes = line_->write(header_, sent_.payload, [self = shared_from_this()](auto failed, size_t) {
     self->writing_ = false;
     self->sent_ = {};
     if (failed) return self->close();
     self->wake();
   });
+  if (sent_.channel == MessageChannel::Control) control_ += int64_t(bytes);
 }
 
 // Checks at intervals whether the client has completed the handshake and is still there.
@@ -143,14 +188,16 @@ void Connection::watch() {
     if (failed || self->closed_) return;
     const auto now = Clock::now();
     const Patience& patience = self->options_.patience;
-    if (!self->session() && now > self->begin_ + patience.handshake) return self->close();
+    if (self->isTooLate(now)) return self->close();
     // A slow reader may answer a ping late, but its machine keeps acknowledging bytes. A dead machine
     // acknowledges nothing.
     int underWay = 0;
-    if (ioctl(self->socket_.native_handle(), SIOCOUTQ, &underWay) == 0 &&
-        self->written_ - underWay > self->acknowledged_) {
-      self->acknowledged_ = self->written_ - underWay;
-      self->heard_ = now;
+    if (ioctl(self->line_->socket().native_handle(), SIOCOUTQ, &underWay) == 0) {
+      const int64_t taken = self->line_->written() - self->control_ - underWay;
+      if (taken > self->acknowledged_) {
+        self->acknowledged_ = taken;
+        self->heard_ = now;
+      }
     }
     // While no more requests are read from a client, its pongs are not read either.
     const bool unread = self->session() && self->session()->full() && !self->outbox_->aboveWatermark();
@@ -165,8 +212,13 @@ void Connection::watch() {
   });
 }
 
+bool Connection::isTooLate(Clock::time_point now) const {
+  return !session() && !answering_ && now > waits_ + options_.patience.handshake;
+}
+
 void Connection::bye(const std::string& reason) {
   if (closed_ || leaving_) return;
+  if (!open_) return close();
   leaving_ = true;
   outbox_->farewell("bye " + protocol::printable(reason));
   write();
@@ -181,8 +233,7 @@ void Connection::close() {
   if (std::exchange(closed_, true)) return;
   boost::system::error_code ignored;
   timer_.cancel(ignored);
-  socket_.shutdown(Socket::shutdown_both, ignored);
-  socket_.close(ignored);
+  line_->close();
   outbox_->close();
   onClosed_(shared_from_this());
 }

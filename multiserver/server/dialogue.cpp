@@ -46,8 +46,8 @@ void Dialogue::takePreamble(std::span<const std::byte>& bytes) {
   preambleBytes_ += size;
   bytes = bytes.subspan(size);
   if (preambleBytes_ < preamble_.size()) return;
-  over_ = !std::equal(protocol::kMagic.begin(), protocol::kMagic.end(),
-                      reinterpret_cast<const unsigned char*>(preamble_.data()));
+  over_ = isStrange_ = !std::equal(protocol::kMagic.begin(), protocol::kMagic.end(),
+                                   reinterpret_cast<const unsigned char*>(preamble_.data()));
   if (!over_) protocol::checkPreamble(preamble_);
 }
 

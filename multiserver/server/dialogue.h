@@ -24,6 +24,11 @@ class Dialogue {
 
   Dialogue(std::shared_ptr<Outbox> outbox, protocol::Limits limits, Admit admit);
 
+  /// What comes begins with the hello, as in a WebSocket, where the subprotocol stands for the preamble.
+  void skipPreamble() { preambleBytes_ = preamble_.size(); }
+  /// Whether a whole preamble has come, of this version or another. The server then sends its own.
+  bool preambleTaken() const { return preambleBytes_ == preamble_.size() && !isStrange_; }
+
   /// Takes bytes from the front until all are taken, or until paused() or over(). Throws Error if the client
   /// breaks the protocol or is refused: then the caller sends it the message and reads nothing more.
   void take(std::span<const std::byte>& bytes);
@@ -48,7 +53,7 @@ class Dialogue {
   size_t preambleBytes_ = 0;
   protocol::MessageReader reader_;
   std::shared_ptr<Session> session_;
-  bool over_ = false;
+  bool over_ = false, isStrange_ = false;  ///< isStrange_: the preamble is of no Galaxy
 };
 
 }  // namespace gxy

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "core/comm/error.h"
+#include "multiserver/web/answer.h"
 
 namespace gxy {
 
@@ -37,6 +38,9 @@ class Server::Impl {
       : serverRank_(serverRank),
         options_(std::move(options)),
         onStop_(std::move(onStop)),
+        site_(options_.gui ? std::make_shared<const Site>(
+                                 Site{GuiFiles(options_.guiFolder), Hosts(options_.hosts, options_.bind)})
+                           : nullptr),
         acceptor_(*context_),
         signals_(*context_),
         timer_(*context_),
@@ -124,7 +128,7 @@ class Server::Impl {
         });
       }
       const auto connection = std::make_shared<Connection>(
-          std::move(socket), context_, serverRank_, options_.connection,
+          std::move(socket), context_, serverRank_, options_.connection, site_,
           [this](const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox,
                  protocol::Welcome& welcome) { return admit(hello, outbox, welcome); },
           [this](const ConnectionPtr& c) { closed(c); });
@@ -150,9 +154,18 @@ class Server::Impl {
     }))->close();
   }
 
+  // A ticket stands for a token, once.
+  std::string tokenOf(const protocol::Hello& hello) {
+    if (hello.ticket.empty() || serverRank_.tenants.admitsAll()) return hello.token;
+    if (auto token = serverRank_.tickets.redeem(hello.ticket)) return *std::move(token);
+    spdlog::warn("rank 0: client {} came with a ticket that is none", protocol::asLogged(hello.client));
+    throw Error("the ticket was used or is too old; `galaxy gui` makes another");
+  }
+
   std::shared_ptr<Session> admit(const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox,
                                  protocol::Welcome& welcome) {
-    const auto identity = serverRank_.tenants.identify(hello.token, hello.tenant);
+    const std::string token = tokenOf(hello);
+    const auto identity = serverRank_.tenants.identify(token, hello.tenant);
     if (!identity) {
       spdlog::warn("rank 0: client {} came with a wrong token", protocol::asLogged(hello.client));
       throw Error(
@@ -171,8 +184,13 @@ class Server::Impl {
       throw Error("tenant " + identity->tenant + ": " + std::to_string(options_.tenantClients) +
                   " clients are connected, no more are allowed");
     Session::Identity who{++sessions_, hello.client, identity->tenant, identity->administrator};
-    welcome = {"gxyserver 0.1",   who.tenant,          who.number,
-               who.administrator, serverRank_.ranks(), options_.connection.limits};
+    welcome = {"gxyserver 0.1",
+               who.tenant,
+               who.number,
+               who.administrator,
+               serverRank_.ranks(),
+               options_.connection.limits,
+               token == hello.token ? std::string() : token};
     spdlog::info("rank 0: session {} of tenant {}: {}", who.number, who.tenant,
                  protocol::asLogged(who.client));
     return std::make_shared<Session>(serverRank_, outbox, std::move(who), options_.connection.limits);
@@ -270,6 +288,7 @@ class Server::Impl {
   ServerRank& serverRank_;
   const ServerOptions options_;
   const std::function<void()> onStop_;
+  const std::shared_ptr<const Site> site_;  ///< null: browsers are disconnected
   std::atomic<bool> stopped_ = false;
   const std::shared_ptr<asio::io_context> context_ = std::make_shared<asio::io_context>(1);
   tcp::acceptor acceptor_;

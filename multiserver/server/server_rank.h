@@ -27,6 +27,7 @@
 #include "multiserver/server/document_reader.h"
 #include "multiserver/server/exchanges.h"
 #include "multiserver/server/tenants.h"
+#include "multiserver/server/tickets.h"
 
 namespace gxy {
 
@@ -110,6 +111,7 @@ struct ServerRank {
   KeySource keys;
   Directory directory;   ///< used on rank 0
   Tenants tenants;       ///< used on rank 0
+  Tickets tickets;       ///< used on rank 0
   ReadingTurns reading;  ///< used on rank 0
   const std::unique_ptr<Backend> backend;
   Collective collective;

@@ -192,6 +192,15 @@ json cancel(Request& request) {
   return nullptr;
 }
 
+json ticket(Request& request) {
+  ServerRank& serverRank = request.session().serverRank();
+  const Session::Identity& who = request.session().identity();
+  if (serverRank.tenants.admitsAll()) return {{"ticket", ""}, {"seconds", 0}, {"text", "none is needed"}};
+  const std::string token = serverRank.tenants.tokenOf(who.tenant, who.administrator);
+  const std::string made = serverRank.tickets.issue(token, Tickets::kShort);
+  return {{"ticket", made}, {"seconds", Tickets::kShort.count()}, {"text", made}};
+}
+
 json echo(Request& request) { return {{"text", request.arguments()}}; }
 
 json quit(Request& request) {
@@ -219,6 +228,7 @@ const std::vector<Verb>& serverVerbs() {
       alone("stat", "What the server uses and does, by rank, tenant and client.", Order::Aside, stat),
       {"cancel", "ID", "Ends a request of this session.", Order::AtOnce, cancel},
       {"echo", "[TEXT]", "Answers with the same text.", Order::InTurn, echo},
+      alone("ticket", "A ticket, with which a browser gets in once, within a minute.", Order::InTurn, ticket),
       alone("quit", "Stops the server (administrators).", Order::InTurn, quit)};
   return verbs;
 }

@@ -12,12 +12,16 @@
 
 namespace gxy {
 
-std::string newToken() {
+std::array<unsigned char, 32> randomBytes() {
   std::array<unsigned char, 32> bytes;
   if (getrandom(bytes.data(), bytes.size(), 0) != ssize_t(bytes.size()))
     throw Error("token: the system gives no random bytes");
+  return bytes;
+}
+
+std::string newToken() {
   std::string token;
-  for (const unsigned char b : bytes) {
+  for (const unsigned char b : randomBytes()) {
     token += "0123456789abcdef"[b >> 4];
     token += "0123456789abcdef"[b & 15];
   }
@@ -40,6 +44,12 @@ std::string Tenants::wrongName(const std::string& name) {
 }
 
 void Tenants::add(const std::string& token, Identity identity) { identities_[token] = std::move(identity); }
+
+std::string Tenants::tokenOf(const std::string& tenant, bool administrator) const {
+  for (const auto& [token, identity] : identities_)
+    if (identity.tenant == tenant && identity.administrator == administrator) return token;
+  return {};
+}
 
 std::optional<Tenants::Identity> Tenants::identify(const std::string& token,
                                                    const std::string& tenant) const {

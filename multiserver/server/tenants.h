@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tenants: who may use the server, and how much of it. Used on rank 0.
 #pragma once
+#include <array>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -14,6 +15,8 @@
 
 namespace gxy {
 
+/// Returns 32 bytes from the system's random source.
+std::array<unsigned char, 32> randomBytes();
 /// Returns 64 hexadecimal digits from the system's random source.
 std::string newToken();
 
@@ -38,6 +41,9 @@ class Tenants {
   void add(const std::string& token, Identity identity);
   /// Admits every client as an administrator, with the tenant that it names.
   void admitAll() { admitsAll_ = true; }
+  bool admitsAll() const { return admitsAll_; }
+  /// Returns the token that stands for an identity; empty after admitAll().
+  std::string tokenOf(const std::string& tenant, bool administrator) const;
   /// Returns the identity of a client; nothing for a wrong token. `tenant` counts only after admitAll();
   /// throws Error if it is not allowed then.
   std::optional<Identity> identify(const std::string& token, const std::string& tenant) const;

@@ -63,7 +63,7 @@ class Bytes(unittest.TestCase):
                                                         "client": "bytes"}).encode())
 
     def test_another_magic_is_hung_up_on_without_a_word(self):
-        self.assertNotIn(b"bye", self.answer(b"GET / HTTP/1.1\r\n\r\n"))
+        self.assertEqual(b"", self.answer(b"galaxy\r\n" + struct.pack("<II", 1, 0)))
 
     def test_another_version_is_told_so(self):
         self.assertIn(b"bye ", self.answer(b"GALAXY\r\n" + struct.pack("<II", 2, 0)))

@@ -188,7 +188,31 @@ class Ending {
   std::thread thread_;
 };
 
-void announce(const ServeOptions& options, uint16_t port, int ranks, const TokenFiles& tokens) {
+// Under MPI, the output is a terminal of the launcher, wherever that writes to. A program that stands between tells
+// by --print-ticket that it writes to a person's terminal.
+bool isReadByUserOnly(const ServeOptions& options) {
+  const bool launched =
+      std::getenv("OMPI_COMM_WORLD_RANK") || std::getenv("PMI_RANK") || std::getenv("PMIX_RANK");
+  return options.printTicket || (!launched && isatty(STDOUT_FILENO) == 1);
+}
+
+// How a browser gets in. A log that others may read gets no ticket.
+void announceGui(const ServeOptions& options, const std::string& where, Tickets& tickets,
+                 const TokenFiles& tokens) {
+  if (!options.server.gui) return;
+  std::cout << "gxyserver: in a browser:      ";
+  if (tokens.files().empty())
+    std::cout << "open http://" << where << "/\n";
+  else if (isReadByUserOnly(options))
+    std::cout << "open http://" << where
+              << "/#ticket=" << tickets.issue(tokens.administrators(), Tickets::kLong) << "\n";
+  else
+    std::cout << "run: galaxy gui " << where
+              << (options.tokenFile.empty() ? "" : " --token-file " + tokens.files().front().path()) << "\n";
+}
+
+void announce(const ServeOptions& options, uint16_t port, int ranks, Tickets& tickets,
+              const TokenFiles& tokens) {
   using namespace boost::asio::ip;
   const std::string p = std::to_string(port);
   address where = make_address(options.server.bind);
@@ -210,6 +234,7 @@ void announce(const ServeOptions& options, uint16_t port, int ranks, const Token
             << "gxyserver: on this machine:  " << here << "\n"
             << "gxyserver: from elsewhere:   ssh -N -L " << p << ":" << target << ":" << p << " "
             << hostName() << "   then, there: " << there << "\n";
+  announceGui(options, target + ":" + p, tickets, tokens);
   for (const auto& file : tokens.files()) std::cout << "gxyserver: token in " << file.path() << "\n";
   if (options.noToken)
     std::cout << "gxyserver: no token is asked for: everybody who can connect may do all\n";
@@ -314,7 +339,7 @@ int serve(const ServeOptions& options, Beside& beside) {
       server = std::make_unique<Server>(*serverRank, options.server, [&] { stopped.open(); });
       tokens->write(server->port());
       serverRank->work.broadcast("gxyserver.tokens", tokens->paths(), [](std::vector<Work::Reply>) {});
-      announce(options, server->port(), transport.size(), *tokens);
+      announce(options, server->port(), transport.size(), serverRank->tickets, *tokens);
       if (!options.portFile.empty()) writeDocument(options.portFile, std::to_string(server->port()) + "\n");
     } catch (const std::exception& e) {
       failure = e.what();

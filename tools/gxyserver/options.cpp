@@ -8,22 +8,28 @@
 
 #include "backends/registry/backends.h"
 #include "multiserver/server/tenants.h"
+#include "multiserver/web/hosts.h"
 #include "tools/version_option.h"
 
 namespace gxy {
 
 namespace {
 
-// Returns the folder of modules beside the program, built or installed; empty if there is none.
-std::string ownModules() {
+// Returns the first of some folders that is there, relative to the program, built or installed; empty if none is.
+std::string beside(std::initializer_list<const char*> folders) {
   std::error_code failed;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
-  for (const char* folder : {"../lib/galaxy", "../lib/x86_64-linux-gnu/galaxy", "../lib64/galaxy"}) {
-    const auto modules = std::filesystem::weakly_canonical(program.parent_path() / folder, failed);
-    if (std::filesystem::is_directory(modules, failed)) return modules.string();
+  for (const char* folder : folders) {
+    const auto path = std::filesystem::weakly_canonical(program.parent_path() / folder, failed);
+    if (std::filesystem::is_directory(path, failed)) return path.string();
   }
   return {};
 }
+
+std::string ownModules() {
+  return beside({"../lib/galaxy", "../lib/x86_64-linux-gnu/galaxy", "../lib64/galaxy"});
+}
+std::string ownGui() { return beside({"../share/galaxy/gui"}); }
 
 // Returns what is wrong with a number of bytes, after AsSizeValue has converted it; empty if nothing is.
 std::string wrongBytes(const std::string& text) {
@@ -39,6 +45,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   CLI::App app("A server that many clients share: data, rendering and analysis on all ranks of an MPI job.",
                "gxyserver");
   int64_t idle = 0;
+  bool noGui = false;
   double patience = std::chrono::duration<double>(o.serverRank.rankPatience).count();
   app.add_option("--port", o.server.port, "TCP port; 0: any that is free")->capture_default_str();
   app.add_option("--port-file", o.portFile, "a file to write the port to, once it listens");
@@ -50,6 +57,20 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   app.add_option("--tenant", o.tenants, "a further tenant, with a token file of its own; may be repeated")
       ->allow_extra_args(false)
       ->check(CLI::Validator(Tenants::wrongName, ""));
+  auto* gui =
+      app.add_option("--gui", o.server.guiFolder,
+                     "folder with the browser GUI's files (default: share/galaxy/gui beside the program)")
+          ->check(CLI::ExistingDirectory);
+  app.add_flag("--no-gui", noGui, "serve no browsers")->excludes(gui);
+  app.add_option(
+         "--host", o.server.hosts,
+         "a further name under which browsers reach the server, for instance of a reverse proxy; may be "
+         "repeated")
+      ->allow_extra_args(false)
+      ->check(CLI::Validator(Hosts::wrongName, ""));
+  app.add_flag("--print-ticket", o.printTicket,
+               "print an address that lets one browser in, within 10 minutes, though the output may be read "
+               "by others");
   app.add_option("--modules", o.serverRank.moduleFolders,
                  "folder in which modules are looked for before Galaxy's own; may be repeated")
       ->allow_extra_args(false);
@@ -113,6 +134,8 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   o.server.idleExit = std::chrono::minutes(idle);
   o.serverRank.rankPatience = std::chrono::milliseconds(int64_t(patience * 1000));
   if (std::string own = ownModules(); !own.empty()) o.serverRank.moduleFolders.push_back(std::move(own));
+  o.server.gui = !noGui;
+  if (app.count("--gui") == 0) o.server.guiFolder = ownGui();
   if (app.count("--insitu-bind") == 0) o.serverRank.insituBind = o.server.bind;
   if (app.count("--tenant-memory") == 0) o.serverRank.tenantMemory = o.serverRank.memory;
   return std::nullopt;

@@ -16,7 +16,8 @@ struct ServeOptions {
   std::string tokenFile, portFile, traceFile;
   std::vector<std::string> tenants;
   bool noToken = false;
-  std::string device;  ///< BackendOptions::device
+  bool printTicket = false;  ///< print an address that lets a browser in
+  std::string device;        ///< BackendOptions::device
   std::string logLevel = "info";
   int threads = 0;
   std::string simulation;  ///< of galaxy_SIMULATION.so, which these processes run as well; empty: none
