@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The place of the graph: its bar and its canvas.
 import { useEffect } from 'react';
+import { messageOf } from '../graph/session';
 import { useDatasets } from '../panels/data_list';
 import type { Connection } from '../wire/connection';
 import { openView } from './actions';
@@ -26,11 +27,13 @@ async function openFirst(): Promise<void> {
   if (name !== undefined && !useGraphStore.getState().session) openGraph(name);
 }
 
+const fail = (error: unknown): void => useGraphStore.getState().say(messageOf(error));
+
 export function GraphArea({ connection }: { readonly connection: Connection }) {
-  const { session, setLive, say } = useGraphStore();
+  const { session, setLive } = useGraphStore();
   const isLoaded = useSnapshot()?.isLoaded === true;
   const firstView = useNodeGraph().nodes.find((node) => node.role === 'view')?.name;
-  const datasets = useDatasets(say as (error: unknown) => void);
+  const datasets = useDatasets(fail);
 
   useEffect(() => {
     const end = beginGraphs(connection);
