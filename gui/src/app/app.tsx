@@ -9,7 +9,7 @@ import { PanelArea } from '../panels/panel_area';
 import type { View } from '../view/view';
 import { ViewArea } from '../view/view_area';
 import { pressInView, viewData } from './commands';
-import { ConnectForm, ConnectionStatus, LossBar } from './connection_state';
+import { ConnectPage, ConnectionStatus, LossBar } from './connection_state';
 import { Help } from './help';
 import { Layout } from './layout';
 import { NoticeList } from './notice_list';
@@ -21,7 +21,7 @@ export function App() {
   const server = useServer();
   const isGraphOpen = useGraphStore(({ session }) => session !== undefined);
   const [help, setHelp] = useState(false);
-  if (state.kind === 'locked') return <ConnectForm problem={state.problem} />;
+  if (state.kind === 'locked' && !state.before) return <ConnectPage problem={state.problem} />;
 
   function onKey(key: string, view: View): boolean {
     if (key !== '?' && key !== 'h') return pressInView(key, view);

@@ -10,7 +10,15 @@ function credentialOf(text: string): Credential {
   return /^[\w-]{43}$/.test(text) ? { ticket: text } : { token: text };
 }
 
-export function ConnectForm({ problem }: { problem: string }) {
+function Problem({ problem }: { problem: string }) {
+  return (
+    <>
+      The server says: <Foreign text={problem} />.
+    </>
+  );
+}
+
+function TokenForm() {
   const server = useServer();
   const [text, setText] = useState('');
   function submit(event: FormEvent) {
@@ -18,34 +26,43 @@ export function ConnectForm({ problem }: { problem: string }) {
     server.connect(credentialOf(text.trim()));
   }
   return (
+    <form className="token" onSubmit={submit}>
+      <label>
+        Token
+        <input
+          type="password"
+          autoComplete="off"
+          spellCheck={false}
+          value={text}
+          onChange={(event) => {
+            setText(event.target.value);
+          }}
+        />
+      </label>
+      <button type="submit" className="primary">
+        Connect
+      </button>
+    </form>
+  );
+}
+
+/** The whole page as long as nobody has connected. */
+export function ConnectPage({ problem }: { problem: string }) {
+  return (
     <main className="connect">
-      <form onSubmit={submit}>
+      <div>
         <h1>Galaxy</h1>
         {problem && (
           <p role="alert" className="error">
-            The server says: <Foreign text={problem} />
+            <Problem problem={problem} />
           </p>
         )}
         <p>
-          Open the address that <code>galaxy serve</code> prints. Each address counts once. Instead, you can
-          enter the server’s token, which is in the file that it names.
+          Open the address that <code>galaxy gui</code> prints. Each address counts once. Instead, you can
+          enter the server’s token, which is in the file that the server names.
         </p>
-        <label>
-          Token
-          <input
-            type="password"
-            autoComplete="off"
-            spellCheck={false}
-            value={text}
-            onChange={(event) => {
-              setText(event.target.value);
-            }}
-          />
-        </label>
-        <button type="submit" className="primary">
-          Connect
-        </button>
-      </form>
+        <TokenForm />
+      </div>
     </main>
   );
 }
@@ -63,7 +80,7 @@ function Countdown({ until }: { until: number }) {
   return <>{Math.max(0, (until - now) / 1000).toFixed(1)} s</>;
 }
 
-/** Stands above the page while the server is not there. */
+/** Lies over the page while the server is not there; the views keep their size, and so their pictures. */
 export function LossBar() {
   const state = useConnectionState();
   const server = useServer();
@@ -81,6 +98,21 @@ export function LossBar() {
         >
           Try now
         </button>
+      </div>
+    );
+  if (state.kind === 'connecting' && state.before)
+    return (
+      <div className="loss" role="alert">
+        <strong>Not connected.</strong> Connecting ...
+      </div>
+    );
+  if (state.kind === 'locked')
+    return (
+      <div className="loss">
+        <span role="alert">
+          <strong>Not connected.</strong> <Problem problem={state.problem} />
+        </span>
+        <TokenForm />
       </div>
     );
   if (silence > 0)

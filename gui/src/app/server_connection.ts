@@ -26,7 +26,7 @@ const MODULES = ['data', 'viewer', 'analysis', 'graph', 'insitu'];
 const CLIENT = 'galaxy page';
 
 export class ServerConnection implements Connection, Pictures {
-  private now: ConnectionState = { kind: 'locked', problem: '' };
+  private now: ConnectionState = { kind: 'locked', problem: '', before: false };
   private readonly states = new Handlers<ConnectionState>();
   private readonly events = new Map<string, Handlers<JsonObject>>();
   private readonly files = new Handlers<{ id: number; object: JsonObject; content: Uint8Array }>();
@@ -42,6 +42,7 @@ export class ServerConnection implements Connection, Pictures {
   private lastWindow = 0;
   private lastCall = 0;
   private failures = 0;
+  private before = false;
   private retry: ReturnType<typeof setTimeout> | undefined;
 
   /** `onToken` gets the token that the server gives for a ticket; null: the token counts no more. */
@@ -69,7 +70,7 @@ export class ServerConnection implements Connection, Pictures {
   connectNow(): void {
     if (!this.credential) return;
     clearTimeout(this.retry);
-    this.set({ kind: 'connecting' });
+    this.set({ kind: 'connecting', before: this.before });
     this.post({ kind: 'connect', url: this.url, credential: this.credential, client: CLIENT });
   }
 
@@ -195,6 +196,7 @@ export class ServerConnection implements Connection, Pictures {
       this.onToken(this.credential.token);
     }
     this.failures = 0;
+    this.before = true;
     this.lastId = 0;
     for (const module of MODULES) this.post({ kind: 'request', id: ++this.lastId, text: `load ${module}` });
     this.set({ kind: 'open', welcome });
@@ -208,7 +210,7 @@ export class ServerConnection implements Connection, Pictures {
     }
     this.credential = null;
     this.onToken(null);
-    this.set({ kind: 'locked', problem: reason });
+    this.set({ kind: 'locked', problem: reason, before: this.before });
   }
 
   private lose(reason: string): void {

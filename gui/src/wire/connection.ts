@@ -14,8 +14,9 @@ export interface Welcome {
 
 export type ConnectionState =
   /** Nobody has said who they are: there is neither a ticket nor a token. `problem` is why the last try failed. */
-  | { kind: 'locked'; problem: string }
-  | { kind: 'connecting' }
+  | { kind: 'locked'; problem: string; before: boolean }
+  /** `before`: the page was connected before. */
+  | { kind: 'connecting'; before: boolean }
   | { kind: 'open'; welcome: Welcome }
   /** The connection has ended or the server is silent. `retryAt`, in milliseconds as of Date.now(), is when the next try begins. */
   | { kind: 'lost'; reason: string; retryAt: number };
