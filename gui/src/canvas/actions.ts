@@ -14,7 +14,7 @@ import {
   removeAll,
   rename,
 } from '../graph/changes';
-import { type Edit, applied } from '../graph/edits';
+import { type Edit, applied, find } from '../graph/edits';
 import { fragmentIn, fragmentOf, paste } from '../graph/fragment';
 import {
   type Json,
@@ -240,6 +240,13 @@ export function openView(name: string): void {
   const view = add(title, { kind: 'graph', graph: session.name, view: name }, connection as ServerConnection);
   view.onNotice = say;
   view.onError = (error) => say(messageOf(error));
+  // The view's camera is what its user sees. Undo leaves it: whoever turns the picture back turns it.
+  view.onRest = (camera) => {
+    if (session.snapshot.isLoaded && find(session.snapshot.document, ['Visualizations', name]))
+      session.edit([{ set: ['Visualizations', name, 'camera'], to: camera as JsonObject }], {
+        history: 'none',
+      });
+  };
 }
 
 export function closeView(name: string): boolean {
