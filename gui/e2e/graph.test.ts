@@ -70,8 +70,8 @@ async function finish(page: Page): Promise<void> {
 }
 
 function dropAll(server: Server): void {
-  const { graphs } = server.say('graph.list') as { graphs: { graph: string }[] };
-  for (const { graph } of graphs) server.say(`graph.drop ${JSON.stringify(graph)}`);
+  const { graphs } = server.say('load graph; graph.list') as { graphs: { graph: string }[] };
+  for (const { graph } of graphs) server.say(`load graph; graph.drop ${JSON.stringify(graph)}`);
 }
 
 describe.each([1, 3])('on %i ranks', (ranks) => {

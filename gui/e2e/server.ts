@@ -85,7 +85,13 @@ export class Server {
   /** What the server replies to a statement of msdata. */
   say(statement: string): Record<string, unknown> {
     const options = ['-P', String(this.port), '--token-file', this.token, '--json', '-c', `${statement};`];
-    const answer = JSON.parse(this.make('msdata', ...options)) as { reply: Record<string, unknown> };
+    // Events may come before the reply.
+    const reply =
+      this.make('msdata', ...options)
+        .trim()
+        .split('\n')
+        .pop() ?? '';
+    const answer = JSON.parse(reply) as { reply: Record<string, unknown> };
     return answer.reply;
   }
 

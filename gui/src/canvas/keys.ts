@@ -86,6 +86,8 @@ function plain(event: KeyboardEvent, keys: CanvasKeys): boolean {
     case 'Delete':
     case 'Backspace':
       removeSelected(node && !selection.includes(node) && !port ? [node] : selection, keys.edges());
+      // What had the focus may be gone.
+      (event.currentTarget as HTMLElement).focus({ preventScroll: true });
       return true;
     case 'F2':
       document.querySelector<HTMLInputElement>('[data-property="name"]')?.focus();

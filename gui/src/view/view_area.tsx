@@ -45,7 +45,8 @@ export function ViewArea({ onKey }: { onKey: (key: string, view: View) => boolea
               type="button"
               className="plain"
               tabIndex={-1}
-              aria-label={`Close ${view.title}`}
+              aria-hidden // A tab list has tabs only; the key Delete closes one.
+              title={`Close ${view.title}`}
               onClick={() => {
                 close(view.id);
               }}
