@@ -6,6 +6,7 @@
 #   lib/python3/dist-packages/gxy/       the Python package of simulations
 #   share/doc/galaxy/                    docs/, README.md, the licence, and examples/
 #   share/galaxy/version                 the version, for the two scripts
+#   share/galaxy/gui/                    the browser GUI (GalaxyGui)
 #
 # cpack -G DEB makes a package for the system that it runs on. The package depends on the packages that its
 # libraries come from. cpack --config CPackSourceConfig.cmake (target package_source) makes a tarball of the
@@ -37,5 +38,5 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE gzip)
 set(CPACK_SOURCE_GENERATOR TGZ)
 set(CPACK_SOURCE_PACKAGE_FILE_NAME galaxy-${PROJECT_VERSION})
 set(CPACK_SOURCE_IGNORE_FILES "${PROJECT_SOURCE_DIR}/build/" "${PROJECT_SOURCE_DIR}/\\\\.git(/|$)"
-                              "${PROJECT_SOURCE_DIR}/\\\\.cache/" "\\\\.swp$" "__pycache__/")
+                              "${PROJECT_SOURCE_DIR}/gui/node_modules/" "${PROJECT_SOURCE_DIR}/\\\\.cache/" "\\\\.swp$" "__pycache__/")
 include(CPack)

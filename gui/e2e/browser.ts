@@ -44,7 +44,7 @@ export class Browser {
 
   /** No page has violated the content security policy, thrown an error or written one to the console. */
   check(): void {
-    expect(this.troubles).toEqual([]);
+    expect(this.troubles.splice(0)).toEqual([]);
   }
 
   async stop(): Promise<void> {

@@ -82,16 +82,15 @@ export class Server {
     return `${this.url}#ticket=${String(this.say('ticket')['ticket'])}`;
   }
 
-  /** What the server replies to a statement of msdata. */
+  /** What the server replies to the last of some statements of msdata. */
   say(statement: string): Record<string, unknown> {
     const options = ['-P', String(this.port), '--token-file', this.token, '--json', '-c', `${statement};`];
-    // Events may come before the reply.
-    const reply =
+    const last =
       this.make('msdata', ...options)
         .trim()
         .split('\n')
-        .pop() ?? '';
-    const answer = JSON.parse(reply) as { reply: Record<string, unknown> };
+        .at(-1) ?? '';
+    const answer = JSON.parse(last) as { reply: Record<string, unknown> };
     return answer.reply;
   }
 

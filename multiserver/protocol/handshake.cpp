@@ -60,6 +60,7 @@ std::string welcomeText(const Welcome& w) {
                         {"session", w.session},
                         {"tenant", w.tenant},
                         {"administrator", w.administrator},
+                        {"view only", w.viewOnly},
                         {"ranks", w.ranks},
                         {"limits",
                          {{"request bytes", w.limits.requestBytes},
@@ -80,6 +81,7 @@ Welcome parseWelcome(std::string_view text) {
   w.session = member(object, "session", uint64_t(0), "welcome");
   w.tenant = member(object, "tenant", std::string(), "welcome");
   w.administrator = member(object, "administrator", false, "welcome");
+  w.viewOnly = member(object, "view only", false, "welcome");
   w.ranks = member(object, "ranks", 0, "welcome");
   w.token = member(object, "token", std::string(), "welcome");
   const auto limits = member(object, "limits", nlohmann::json::object(), "welcome");

@@ -28,6 +28,7 @@ struct Welcome {
   std::string server, tenant;
   uint64_t session = 0;
   bool administrator = false;
+  bool viewOnly = false;  ///< the client may only use verbs that change nothing
   int ranks = 0;
   Limits limits;
   std::string token{};  ///< for a client that came with a ticket; else empty

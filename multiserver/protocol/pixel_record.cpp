@@ -23,8 +23,9 @@ PixelHeader pixelHeader(std::span<const std::byte> record) {
     throw Error("pixel record of " + std::to_string(record.size()) + " bytes, expected 64 or more");
   std::memcpy(&h, record.data(), sizeof h);
   const bool tile = h.kind == PixelKind::Tile;
-  const bool fits = tile ? h.w >= 1 && h.h >= 1 && h.w <= kTileSide && h.h <= kTileSide && h.x <= h.width &&
-                               h.y <= h.height && h.w <= h.width - h.x && h.h <= h.height - h.y
+  const bool fits = tile ? h.w >= 1 && h.h >= 1 && h.w <= kMostTileSide && h.h <= kMostTileSide &&
+                               h.x <= h.width && h.y <= h.height && h.w <= h.width - h.x &&
+                               h.h <= h.height - h.y
                          : (h.x | h.y | h.w | h.h) == 0;
   if (h.kind < PixelKind::Tile || h.kind > PixelKind::EndOfFrame || h.encoding > PixelEncoding::Zlib ||
       h.format > PixelFormat::Rgb8 || h.scale == 0 || h.size != record.size() - sizeof h || !fits)

@@ -12,7 +12,8 @@ enum class PixelKind : uint32_t { Tile = 1, EndOfPass = 2, EndOfFrame = 3 };
 enum class PixelEncoding : uint16_t { Raw = 0, Zstd = 1, Jpeg = 2, Zlib = 3 };
 enum class PixelFormat : uint16_t { Rgba8 = 0, Rgb8 = 1 };
 
-inline constexpr uint32_t kTileSide = 256;
+inline constexpr uint32_t kTileSide = 256;       // of tiles, unless a client asks for others
+inline constexpr uint32_t kMostTileSide = 1024;  // of all that may come
 
 /// The first 64 bytes of a record, as they are on the wire.
 struct PixelHeader {

@@ -46,19 +46,19 @@ Overlay readOverlay(Reader& in) {
 
 }  // namespace
 
-std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncoding encoding, int quality) {
-  constexpr uint32_t kSide = protocol::kTileSide;
+std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncoding encoding, int quality,
+                                  uint32_t side) {
   const auto width = uint32_t(picture.width), height = uint32_t(picture.height);
-  const uint32_t across = (width + kSide - 1) / kSide, up = (height + kSide - 1) / kSide;
+  const uint32_t across = (width + side - 1) / side, up = (height + side - 1) / side;
   std::vector<Bytes> tiles(size_t(across) * up);
   parallelFor(size_t(0), tiles.size(), [&](size_t i) {
     protocol::PixelHeader header;
     header.width = width;
     header.height = height;
-    header.x = uint32_t(i % across) * kSide;
-    header.y = uint32_t(i / across) * kSide;
-    header.w = std::min(kSide, width - header.x);
-    header.h = std::min(kSide, height - header.y);
+    header.x = uint32_t(i % across) * side;
+    header.y = uint32_t(i / across) * side;
+    header.w = std::min(side, width - header.x);
+    header.h = std::min(side, height - header.y);
     header.encoding = encoding;
     header.format = protocol::formatOf(encoding);
     std::vector<float> rgba;
@@ -86,6 +86,10 @@ class PictureDelivery::Operation final : public PictureOperation {
     if (wanted_.encoding > protocol::PixelEncoding::Zlib)
       in.fail("encoding " + std::to_string(int(wanted_.encoding)) + ", expected one of the protocol's");
     wanted_.quality = in.read<int32_t>();
+    wanted_.tile = in.read<uint32_t>();
+    if (wanted_.tile == 0 || wanted_.tile > protocol::kMostTileSide)
+      in.fail("tiles of " + std::to_string(wanted_.tile) + " pixels a side, expected 1 to " +
+              std::to_string(protocol::kMostTileSide));
     wanted_.format = in.readString();
     wanted_.path = in.readString();
     wanted_.depthPath = in.readString();
@@ -93,6 +97,7 @@ class PictureDelivery::Operation final : public PictureOperation {
   }
   void write(Writer& w) const override {
     w.write(ticket_).write(wanted_.as).write(wanted_.encoding).write(int32_t(wanted_.quality));
+    w.write(wanted_.tile);
     w.write(wanted_.format).write(wanted_.path).write(wanted_.depthPath);
     writeOverlay(w, wanted_.overlay);
   }
@@ -160,7 +165,7 @@ uint64_t PictureDelivery::sendPieces(uint64_t ticket, const PictureFormat& wante
     serverRank_.transport.send(0, Channel::Pictures, w.take());
   };
   if (wanted.as == PictureFormat::As::Tiles) {
-    const std::vector<Bytes> tiles = tilesOfPicture(picture, wanted.encoding, wanted.quality);
+    const std::vector<Bytes> tiles = tilesOfPicture(picture, wanted.encoding, wanted.quality, wanted.tile);
     for (const Bytes& tile : tiles) send(Piece::Tile, tile);
     return tiles.size();
   }

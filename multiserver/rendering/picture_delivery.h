@@ -20,10 +20,11 @@ struct PictureFormat {
   As as = As::Tiles;
   protocol::PixelEncoding encoding = protocol::PixelEncoding::Zstd;
   int quality = 75;
-  std::string format = "png";  ///< Bytes and File: the format that encodeImage() takes
-  std::string path;            ///< File: a path that DataFolders has checked
-  std::string depthPath;       ///< File: where the depths go, as encodeDepth() makes them; empty: nowhere
-  Overlay overlay;             ///< Bytes and File: drawn over the picture
+  uint32_t tile = protocol::kTileSide;  ///< Tiles: the side of each, at most kMostTileSide
+  std::string format = "png";           ///< Bytes and File: the format that encodeImage() takes
+  std::string path;                     ///< File: a path that DataFolders has checked
+  std::string depthPath;  ///< File: where the depths go, as encodeDepth() makes them; empty: nowhere
+  Overlay overlay;        ///< Bytes and File: drawn over the picture
 };
 
 /// Receives a picture on rank 0. Pieces arrive in any order. `tile` is called on the rank's progress thread and must be short.
@@ -38,8 +39,9 @@ struct PictureReceiver {
   std::function<void(bool superseded, const std::string& error)> done;
 };
 
-/// Returns the tiles of a picture as records with window 0, frame 0, scale 1 and pass 0. May use all threads.
-std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncoding encoding, int quality);
+/// Returns the tiles of a picture, of side x side pixels and smaller at its ends, as records with window 0, frame 0, scale 1 and pass 0. May use all threads.
+std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncoding encoding, int quality,
+                                  uint32_t side);
 
 /// Starts frames and delivers their pictures. There is one on each rank (Rendering). Thread safe.
 class PictureDelivery {

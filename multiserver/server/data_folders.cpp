@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <map>
 
 #include "core/comm/error.h"
 #include "core/io/referenced_files.h"
@@ -86,6 +87,34 @@ ReadScope DataFolders::reading() const {
 std::string DataFolders::textOf(const std::string& name, int64_t limit) const {
   const ReadScope inside = reading();
   return readText(toRead(name), limit);
+}
+
+std::vector<DataFolders::Entry> DataFolders::list(const std::string& name, size_t most) const {
+  if (name.find('\0') != std::string::npos) refuse(name, "it is no folder's name");
+  std::map<std::string, Entry> entries;
+  bool found = false;
+  for (const fs::path& folder : folders_) {
+    std::error_code failed;
+    const fs::path canonical = fs::canonical(folder / fs::path(name), failed);
+    if (failed || !holds(canonical) || !fs::is_directory(canonical, failed)) continue;
+    found = true;
+    for (fs::directory_iterator at(canonical, failed), end; !failed && at != end; at.increment(failed)) {
+      Entry entry{at->path().filename().string()};
+      std::error_code gone;
+      const fs::path target = fs::canonical(at->path(), gone);
+      if (gone || entry.name.starts_with('.') || !holds(target)) continue;
+      entry.isFolder = fs::is_directory(target, gone);
+      if (!entry.isFolder && !fs::is_regular_file(target, gone)) continue;
+      if (!entry.isFolder) entry.bytes = int64_t(fs::file_size(target, gone));
+      entries.try_emplace(entry.name, entry);
+      if (entries.size() > most) entries.erase(std::prev(entries.end()));
+    }
+    if (fs::path(name).is_absolute()) break;
+  }
+  if (!found) refuse(name, "there is no such folder that may be read");
+  std::vector<Entry> sorted;
+  for (auto& [key, entry] : entries) sorted.push_back(std::move(entry));
+  return sorted;
 }
 
 std::string DataFolders::toWrite(const std::string& name) const {

@@ -35,6 +35,16 @@ class DataFolders {
   /// Returns the content of a file that toRead() finds. Throws Error if it has more than `limit` bytes.
   std::string textOf(const std::string& name, int64_t limit) const;
 
+  struct Entry {
+    std::string name;  ///< without folders
+    bool isFolder = false;
+    int64_t bytes = 0;  ///< of a file
+  };
+  /// Returns the folders and regular files in a folder, sorted by name; "" is each data folder itself. A relative name is
+  /// looked for in all data folders, and what is in several of them is there once. Names that begin with a dot are left
+  /// out, and what a link leads to outside. At most `most` are returned. Throws Error as toRead() does.
+  std::vector<Entry> list(const std::string& name, size_t most) const;
+
   /// Returns the path of a file to write. A relative name is in the first folder. The file's folder must exist.
   std::string toWrite(const std::string& name) const;
   /// Makes a folder, unless it is there, and returns its path. A relative name is in the first folder. The folder that it lies in must

@@ -368,6 +368,10 @@ std::vector<std::string> FilterRuns::importAndMake(Request& request, Datasets::I
     else if (!d.filter.empty() && makesDataset(d))  // What only tells numbers has nobody to tell them to.
       made.push_back(std::move(d));
   }
+  for (const auto* entries : {&files, &made})
+    for (const DatasetSpec& d : *entries)
+      if (!what.onlyMissing || !serverRank_.datasets->find(request.session().tenant(), d.name))
+        request.session().expectMayChange("dataset " + inQuotes(d.name));
   evaluationOrder(made);  // throws for a cycle before anything is read
   const bool noEntries = what.specs.empty();
   what.specs = std::move(files);

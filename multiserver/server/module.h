@@ -23,12 +23,16 @@ namespace gxy {
 
 /// This number changes with every change of the headers that modules include. A module built for another
 /// number is refused.
-inline constexpr uint32_t kModuleAbi = 12;
+inline constexpr uint32_t kModuleAbi = 13;
 
 /// When a request runs. InTurn: after the earlier requests of its session and before the later ones. Aside:
 /// it starts in its turn, but later requests do not wait for its end; for long work. AtOnce: immediately, on
 /// the thread that serves all sockets; only for short verbs of the server itself.
 enum class Order { InTurn, Aside, AtOnce };
+
+/// Whether a verb changes anything that others can see, or that outlives the session: data, graphs, files, simulations. A
+/// session with a view-only token may only use verbs that look; its windows are its own.
+enum class Effect { Changes, Looks };
 
 struct Verb {
   std::string name;
@@ -38,6 +42,7 @@ struct Verb {
   /// programs show that to users. To reply `error: ...`, it throws; an Error has a message for the user. It
   /// runs on a thread of its own and may wait, unless its order is AtOnce.
   std::function<nlohmann::json(Request&)> action;
+  Effect effect = Effect::Changes;
 
   /// Returns the arguments of a request. The request must outlive the result.
   protocol::Arguments argumentsOf(const Request& request) const {

@@ -183,11 +183,13 @@ class Server::Impl {
     if (ofTenant >= options_.tenantClients)
       throw Error("tenant " + identity->tenant + ": " + std::to_string(options_.tenantClients) +
                   " clients are connected, no more are allowed");
-    Session::Identity who{++sessions_, hello.client, identity->tenant, identity->administrator};
+    Session::Identity who{++sessions_, hello.client, identity->tenant, identity->administrator,
+                          identity->viewOnly};
     welcome = {"gxyserver 0.1",
                who.tenant,
                who.number,
                who.administrator,
+               who.viewOnly,
                serverRank_.ranks(),
                options_.connection.limits,
                token == hello.token ? std::string() : token};

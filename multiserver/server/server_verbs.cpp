@@ -196,7 +196,7 @@ json ticket(Request& request) {
   ServerRank& serverRank = request.session().serverRank();
   const Session::Identity& who = request.session().identity();
   if (serverRank.tenants.admitsAll()) return {{"ticket", ""}, {"seconds", 0}, {"text", "none is needed"}};
-  const std::string token = serverRank.tenants.tokenOf(who.tenant, who.administrator);
+  const std::string token = serverRank.tenants.tokenOf({who.tenant, who.administrator, who.viewOnly});
   const std::string made = serverRank.tickets.issue(token, Tickets::kShort);
   return {{"ticket", made}, {"seconds", Tickets::kShort.count()}, {"text", made}};
 }
@@ -211,8 +211,9 @@ json quit(Request& request) {
 }
 
 // Makes a verb without arguments.
-Verb alone(std::string name, std::string help, Order order, json (*action)(Request&)) {
-  Verb verb{std::move(name), "", std::move(help), order, {}};
+Verb alone(std::string name, std::string help, Order order, json (*action)(Request&),
+           Effect effect = Effect::Looks) {
+  Verb verb{std::move(name), "", std::move(help), order, {}, effect};
   verb.action = [usage = verb.name, action](Request& request) {
     protocol::Arguments(request.arguments(), usage).expectEnd();
     return action(request);
@@ -222,14 +223,14 @@ Verb alone(std::string name, std::string help, Order order, json (*action)(Reque
 
 const std::vector<Verb>& serverVerbs() {
   static const std::vector<Verb> verbs{
-      {"help", "[VERB]", "Lists what can be asked.", Order::AtOnce, help},
-      {"load", "MODULE", "Loads a module for this session.", Order::InTurn, load},
+      {"help", "[VERB]", "Lists what can be asked.", Order::AtOnce, help, Effect::Looks},
+      {"load", "MODULE", "Loads a module for this session.", Order::InTurn, load, Effect::Looks},
       alone("modules", "Lists the session's modules, and those there are.", Order::InTurn, modules),
       alone("stat", "What the server uses and does, by rank, tenant and client.", Order::Aside, stat),
-      {"cancel", "ID", "Ends a request of this session.", Order::AtOnce, cancel},
-      {"echo", "[TEXT]", "Answers with the same text.", Order::InTurn, echo},
+      {"cancel", "ID", "Ends a request of this session.", Order::AtOnce, cancel, Effect::Looks},
+      {"echo", "[TEXT]", "Answers with the same text.", Order::InTurn, echo, Effect::Looks},
       alone("ticket", "A ticket, with which a browser gets in once, within a minute.", Order::InTurn, ticket),
-      alone("quit", "Stops the server (administrators).", Order::InTurn, quit)};
+      alone("quit", "Stops the server (administrators).", Order::InTurn, quit, Effect::Changes)};
   return verbs;
 }
 

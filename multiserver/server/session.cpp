@@ -7,6 +7,7 @@
 #include "core/comm/error.h"
 #include "multiserver/protocol/json.h"
 #include "multiserver/protocol/statement.h"
+#include "multiserver/server/module.h"
 #include "multiserver/server/server_verbs.h"
 
 namespace gxy {
@@ -67,6 +68,12 @@ Session::Session(ServerRank& serverRank, std::shared_ptr<Outbox> outbox, Identit
     : serverRank_(serverRank), outbox_(std::move(outbox)), identity_(std::move(identity)), limits_(limits) {}
 
 Session::~Session() = default;
+
+void Session::expectMayChange(const std::string& what) const {
+  if (identity_.viewOnly)
+    throw Error(what +
+                ": it changes something, and this session has a view-only token, expected the tenant's own");
+}
 
 bool Session::makeRoom(uint64_t bytes) {
   constexpr uint64_t kShort = 4096;  // enough for statements that free memory
@@ -147,6 +154,7 @@ void Session::runNext() {
       request->check();
       request->read();
       const Verb& verb = resolveVerb(*this, request->verb());
+      if (verb.effect == Effect::Changes) expectMayChange(verb.name);
       if (verb.order == Order::Aside)
         startAside(request, verb.action);
       else

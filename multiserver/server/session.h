@@ -75,6 +75,7 @@ class Session : public std::enable_shared_from_this<Session> {
     uint64_t number = 0;
     std::string client, tenant;
     bool administrator = false;
+    bool viewOnly = false;  ///< may only use verbs that look (module.h)
   };
 
   static constexpr int kAside = 8;  ///< number of requests Aside that run at once; each occupies a thread
@@ -89,6 +90,8 @@ class Session : public std::enable_shared_from_this<Session> {
   const Identity& identity() const { return identity_; }
   const std::string& tenant() const { return identity_.tenant; }
   const protocol::Limits& limits() const { return limits_; }
+  /// Throws Error if the session is view-only. `what` begins the message.
+  void expectMayChange(const std::string& what) const;
 
   /// Takes memory for a statement of this size that is about to come. Short statements (4096 bytes) always
   /// get it. Returns false if there is none: then the statement must be passed to refuse() instead of

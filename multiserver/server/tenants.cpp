@@ -45,9 +45,9 @@ std::string Tenants::wrongName(const std::string& name) {
 
 void Tenants::add(const std::string& token, Identity identity) { identities_[token] = std::move(identity); }
 
-std::string Tenants::tokenOf(const std::string& tenant, bool administrator) const {
-  for (const auto& [token, identity] : identities_)
-    if (identity.tenant == tenant && identity.administrator == administrator) return token;
+std::string Tenants::tokenOf(const Identity& identity) const {
+  for (const auto& [token, known] : identities_)
+    if (known == identity) return token;
   return {};
 }
 
@@ -55,7 +55,7 @@ std::optional<Tenants::Identity> Tenants::identify(const std::string& token,
                                                    const std::string& tenant) const {
   if (admitsAll_) {
     if (const std::string wrong = wrongName(tenant); !wrong.empty()) throw Error("hello: `tenant`: " + wrong);
-    return Identity{tenant, true};
+    return Identity{tenant, true, false};
   }
   std::optional<Identity> found;
   for (const auto& [expected, identity] : identities_)  // compare all, in constant time

@@ -29,6 +29,8 @@ class Tenants {
   struct Identity {
     std::string tenant;
     bool administrator = false;
+    bool viewOnly = false;  ///< may only look
+    bool operator==(const Identity&) const = default;
   };
 
   /// `frames` is the number of renderings that each tenant may have in flight.
@@ -43,7 +45,7 @@ class Tenants {
   void admitAll() { admitsAll_ = true; }
   bool admitsAll() const { return admitsAll_; }
   /// Returns the token that stands for an identity; empty after admitAll().
-  std::string tokenOf(const std::string& tenant, bool administrator) const;
+  std::string tokenOf(const Identity& identity) const;
   /// Returns the identity of a client; nothing for a wrong token. `tenant` counts only after admitAll();
   /// throws Error if it is not allowed then.
   std::optional<Identity> identify(const std::string& token, const std::string& tenant) const;

@@ -46,6 +46,20 @@ ranks_of() { pgrep -P "$(pgrep -P "$server")" gxyserver; }
 start 2 --backend embree
 check EachRankSaysWhatItRendersWith test "$(grep -c 'rank [01]: backend embree, CPU' server.log)" = 2
 check TokenIsForItsUserOnly test "$(stat -c %a "$XDG_RUNTIME_DIR/galaxy/$port.token")" = 600
+check ItsLogNamesTheCommandForBrowsers grep -q "in a browser:      run: galaxy gui localhost:$port\$" server.log
+check AndHasNoTicket bash -c "! grep -q 'ticket=' server.log"
+check TheCommandPrintsAnAddressThatLetsIn bash -c \
+  "env -u DISPLAY -u WAYLAND_DISPLAY '$galaxy' gui localhost:$port | grep -Eqx 'galaxy: open http://localhost:$port/#ticket=[A-Za-z0-9_-]{43}'"
+check NoServerIsTold bash -c "! '$galaxy' gui localhost:1 2>error.txt && grep -q 'no ticket from localhost:1' error.txt"
+check SoIsANonsensicalPlace bash -c "! '$galaxy' gui 'local host' 2>error.txt && grep -q 'expected HOST:PORT' error.txt"
+exec 3<>"/dev/tcp/localhost/$port"
+printf 'GET / HTTP/1.1\r\nHost: localhost:%s\r\nConnection: close\r\n\r\n' "$port" >&3
+check ThePageIsServedOnTheSamePort grep -q 'HTTP/1.1 200 OK' <&3
+exec 3>&-
+check TheViewTokenIsForItsUserOnly test "$(stat -c %a "$XDG_RUNTIME_DIR/galaxy/$port.view.token")" = 600
+check AndLooks bash -c "'$bin/msdata' -P $port --token-file '$XDG_RUNTIME_DIR/galaxy/$port.view.token' -c 'list;' | grep -q datasets"
+check AndChangesNothing bash -c \
+  "'$bin/msdata' -P $port --token-file '$XDG_RUNTIME_DIR/galaxy/$port.view.token' -c 'drop x;' 2>&1 | grep -q 'drop: it changes something.*view-only'"
 check EmptyListing test "$(echo 'list;' | msdata)" = "  datasets:"
 cat >import.txt <<'END'
 import { "Datasets": [
@@ -281,7 +295,7 @@ kill -KILL "$rank" "$launcher" "$server"
 server=
 check ATokenIsLeft test -s "$XDG_RUNTIME_DIR/galaxy/$port.token"
 start 2
-check AndTheNextServerRemovesIt test "$(ls "$XDG_RUNTIME_DIR/galaxy")" = "$port.token"
+check AndTheNextServerRemovesIt test "$(ls "$XDG_RUNTIME_DIR/galaxy")" = "$port.token"$'\n'"$port.view.token"
 other=$port
 rm -f port
 "$galaxy" serve -n 2 --port "$other" >second.log 2>&1
@@ -307,6 +321,22 @@ check ModulesOfOnesOwnComeBesideGalaxys test "$(echo 'list;' | msdata)" = "  dat
 echo 'quit;' | msdata
 ended 10
 
+# At a terminal, the address lets in at once.
+rm -f port
+script -qefc "'$galaxy' serve --port 0 --port-file port --no-gui" /dev/null >none.tty 2>&1 </dev/null &
+for _ in $(seq 300); do [[ -s port ]] && break; sleep 0.1; done
+port=$(cat port)
+echo 'quit;' | msdata
+wait $!
+check NoGuiIsNotAnnounced bash -c "! grep -q 'in a browser' none.tty"
+rm -f port
+script -qefc "'$galaxy' serve --port 0 --port-file port" /dev/null >serve.tty 2>&1 </dev/null &
+for _ in $(seq 300); do [[ -s port ]] && break; sleep 0.1; done
+port=$(cat port)
+echo 'quit;' | msdata
+wait $!
+check AtATerminalTheAddressHasATicket grep -Eq "in a browser:      open http://localhost:$port/#ticket=[A-Za-z0-9_-]{43}" serve.tty
+
 for program in msdata msclient; do
   "$bin/$program" --nosuch 2>error.txt
   check "WrongUsageOf${program}IsStatus2" test $? = 2
@@ -322,6 +352,9 @@ wrong NoMemoryIsWrongUsage '--memory: expected bytes from 1 up, as 500M, found 0
 wrong SoIsLess 'expected bytes from 1 up\|found -5' --memory -5
 wrong SoIsATenantTwice "--tenant: expected each tenant once, found 'bob' again" --tenant bob --tenant ann --tenant bob
 wrong SoIsOneOfTheLedgersNames 'expected another name than server' --tenant server
+wrong SoIsOneOfViewOnlyTokens "does not end in '.view'" --tenant bob.view
+wrong SoIsAHostWithAPort "--host: expected a host's name or address without a port" --host viz.example.org:80
+wrong SoIsAGuiThatIsNotThere '--gui: Directory does not exist: nowhere' --gui nowhere
 wrong SoIsAPath 'expected a name without /' --tenant a/b
 "$bin/msdata" -H 192.0.2.1 -c list 2>error.txt
 check NoTokenGoesElsewhereByItself test $? = 2

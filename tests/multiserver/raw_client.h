@@ -69,6 +69,9 @@ class RawClient {
                                protocol::helloText({"", "raw", tenant})));
   }
 
+  /// Tells the server that nothing more comes.
+  void endOfInput() { ::shutdown(socket_, SHUT_WR); }
+
   /// Bytes that come within the time; 0: none, or the end.
   size_t receive(std::span<std::byte> into, int milliseconds) {
     pollfd ready{socket_, POLLIN, 0};

@@ -121,6 +121,45 @@ TEST(ViewerModule, EncodingsAgreeAndJpegIsNear) {
   EXPECT_LT(sum / double(raw.rgba.size()), 4) << "mean difference in 255ths";
 }
 
+TEST(ViewerModule, TilesHaveTheSizeThatIsAskedForAndTheSamePixels) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  std::mutex mutex;
+  std::map<std::pair<uint32_t, uint32_t>, int> sizes;  // how many tiles have it
+  auto options = server->options();
+  Screen screen;
+  options.onPixels = [&](const auto& header, auto data) {
+    {
+      const std::lock_guard lock(mutex);
+      if (header.kind == protocol::PixelKind::Tile) sizes[{header.w, header.h}]++;
+    }
+    screen.take(header, data);
+  };
+  Client client(options);
+  client.expect("load viewer");
+  client.expect("window 1 {\"size\": [1100, 300]}");
+  client.expect("set 1 " + stateOf("ball"));
+  const auto picture = [&](const std::string& tile) {
+    sizes.clear();
+    const uint64_t frame = client.expect("render 1 {\"levels\": [1], \"passes\": 2" + tile + "}").at("frame");
+    EXPECT_EQ(screen.waitFor(1, frame).status, "complete");
+    EXPECT_EQ(screen.error(), "");
+    return screen.picture(1).rgba;
+  };
+  const auto usual = picture("");
+  using Sizes = std::map<std::pair<uint32_t, uint32_t>, int>;
+  EXPECT_EQ(sizes, (Sizes{{{256, 256}, 8}, {{76, 256}, 2}, {{256, 44}, 8}, {{76, 44}, 2}}));
+  EXPECT_TRUE(picture(", \"tile\": 1024, \"encoding\": \"raw\"") == usual);
+  EXPECT_EQ(sizes, (Sizes{{{1024, 300}, 2}, {{76, 300}, 2}}));
+  EXPECT_TRUE(picture(", \"tile\": 64") == usual);
+  EXPECT_EQ(sizes.size(), 4u);
+  EXPECT_EQ((sizes[{64, 64}]), 2 * 17 * 4);
+  for (const char* wrong : {"63", "1025", "0", "\"64\"", "100.5"})
+    EXPECT_NE(client.request(std::string("render 1 {\"tile\": ") + wrong + "}").error.find("from 64 to 1024"),
+              std::string::npos)
+        << wrong;
+}
+
 TEST(ViewerModule, PassesAddUpToAPictureOfAllTheirRaysToTheBit) {
   const auto server = serve(3);
   Viewer viewer(*server);

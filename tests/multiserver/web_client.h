@@ -76,8 +76,9 @@ class WebClient {
 /// A WebSocket; it has the functions of RawClient.
 class WebSocketClient : public WebClient {
  public:
-  explicit WebSocketClient(uint16_t port, int receiveBuffer = 0) : WebClient(port, receiveBuffer) {
-    const Response r = ask(webRequest("/ws", upgradeFields()), true);
+  explicit WebSocketClient(uint16_t port, int receiveBuffer = 0, const std::string& target = "/ws")
+      : WebClient(port, receiveBuffer) {
+    const Response r = ask(webRequest(target, upgradeFields()), true);
     if (r.status != 101) throw std::runtime_error("no WebSocket: " + r.head);
   }
 

@@ -257,6 +257,17 @@ TEST(WebSocket, TicketsStandForTokensOnce) {
   EXPECT_NE(enter({"wrong", "browser"}).find("bye the token is wrong"), std::string::npos);
 }
 
+TEST(WebSocket, WhatStandsInAUrlLetsNobodyIn) {
+  ServerSetup s = webSetup();
+  s.tokens = {{"good", "ann"}};
+  TestServer server(std::move(s));
+  const std::string ticket = server.serverRank().tickets.issue("good", Tickets::kShort);
+  WebSocketClient client(server.port(), 0, "/ws?token=good&ticket=" + ticket);
+  client.hello({"", "browser"});
+  EXPECT_EQ(client.awaitControl("bye").find("the token is wrong"), 0u);
+  EXPECT_EQ(server.serverRank().tickets.redeem(ticket), "good") << "it was not used";
+}
+
 TEST(WebSocket, AServerWithoutTokensNeedsNoTickets) {
   TestServer server(webSetup());
   EXPECT_EQ(server.client()->expect("ticket").at("ticket"), "");

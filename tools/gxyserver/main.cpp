@@ -94,7 +94,7 @@ std::string hostOf(const ServeOptions& options) {
 }
 
 /// The tokens of this server's tenants, which are made before it listens, and their files, which exist while
-/// it runs.
+/// it runs. Each tenant has two: its own, and one with which others may only look.
 class TokenFiles {
  public:
   TokenFiles(Tenants& tenants, const ServeOptions& options) : options_(options) {
@@ -102,28 +102,20 @@ class TokenFiles {
       tenants.admitAll();
       return;
     }
-    tokens_.push_back(newToken());
-    tenants.add(tokens_.back(), {userName(), true});
-    for (const std::string& name : options.tenants) {
-      tokens_.push_back(newToken());
-      tenants.add(tokens_.back(), {name, false});
-    }
+    add(tenants, {userName(), true, false}, "");
+    for (const std::string& name : options.tenants) add(tenants, {name, false, false}, name);
   }
   void write(uint16_t port) {
     if (tokens_.empty()) return;
     protocol::removeStaleTokens();
     if (options_.tokenFile.empty() || !options_.tenants.empty()) protocol::makeRunDirectory();
-    for (size_t i = 0; i < tokens_.size(); i++) {
-      const std::string file = i > 0 ? protocol::tokenFile(port, options_.tenants[i - 1])
-                               : options_.tokenFile.empty() ? protocol::tokenFile(port)
-                                                            : options_.tokenFile;
-      files_.emplace_back(file, tokens_[i]);
-    }
+    for (const Token& token : tokens_) files_.emplace_back(pathOf(token, port), token.text);
   }
   void remove() { files_.clear(); }
   const std::vector<protocol::TokenFile>& files() const { return files_; }
+  bool isViewOnly(size_t file) const { return tokens_[file].viewOnly; }
   /// Empty if no token is asked for.
-  std::string administrators() const { return tokens_.empty() ? std::string() : tokens_.front(); }
+  std::string administrators() const { return tokens_.empty() ? std::string() : tokens_.front().text; }
   nlohmann::json paths() const {
     nlohmann::json paths = nlohmann::json::array();
     for (const protocol::TokenFile& file : files_) paths.push_back(file.path());
@@ -131,8 +123,26 @@ class TokenFiles {
   }
 
  private:
+  struct Token {
+    std::string text, tenant;  ///< tenant: empty for the administrator's
+    bool viewOnly;
+  };
+  void add(Tenants& tenants, Tenants::Identity identity, const std::string& tenant) {
+    for (const bool viewOnly : {false, true}) {
+      tokens_.push_back({newToken(), tenant, viewOnly});
+      if (viewOnly) identity = {identity.tenant, false, true};
+      tenants.add(tokens_.back().text, identity);
+    }
+  }
+  std::string pathOf(const Token& token, uint16_t port) const {
+    if (token.tenant.empty() && !options_.tokenFile.empty())
+      return options_.tokenFile + (token.viewOnly ? ".view" : "");
+    const std::string view = token.tenant.empty() ? "view" : token.tenant + ".view";
+    return protocol::tokenFile(port, token.viewOnly ? view : token.tenant);
+  }
+
   const ServeOptions& options_;
-  std::vector<std::string> tokens_;
+  std::vector<Token> tokens_;  ///< the administrator's first
   std::vector<protocol::TokenFile> files_;
 };
 
@@ -235,7 +245,9 @@ void announce(const ServeOptions& options, uint16_t port, int ranks, Tickets& ti
             << "gxyserver: from elsewhere:   ssh -N -L " << p << ":" << target << ":" << p << " "
             << hostName() << "   then, there: " << there << "\n";
   announceGui(options, target + ":" + p, tickets, tokens);
-  for (const auto& file : tokens.files()) std::cout << "gxyserver: token in " << file.path() << "\n";
+  for (size_t i = 0; i < tokens.files().size(); i++)
+    std::cout << "gxyserver: " << (tokens.isViewOnly(i) ? "view-only token in " : "token in ")
+              << tokens.files()[i].path() << "\n";
   if (options.noToken)
     std::cout << "gxyserver: no token is asked for: everybody who can connect may do all\n";
   std::cout << std::flush;

@@ -126,6 +126,11 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
     for (const std::string& name : o.tenants)
       if (std::count(o.tenants.begin(), o.tenants.end(), name) > 1)
         throw CLI::ValidationError("--tenant", "expected each tenant once, found '" + name + "' again");
+      else if (name == "view" || name.ends_with(".view"))
+        throw CLI::ValidationError("--tenant",
+                                   "expected a name other than 'view' and that does not end in '.view', "
+                                   "as files of view-only tokens do; found '" +
+                                       name + "'");
   } catch (const CLI::ParseError& e) {
     std::ostream nowhere(nullptr);
     const int code = app.exit(e, speaks ? std::cout : nowhere, speaks ? std::cerr : nowhere);

@@ -170,9 +170,6 @@ export class ServerConnection implements Connection, Pictures {
       case 'file':
         this.files.call(message);
         break;
-      case 'begun':
-        this.windows.get(message.window)?.onBegun(message.frame);
-        break;
       case 'pass':
         this.windows.get(message.pass.window)?.onPass(message.pass);
         break;

@@ -19,7 +19,7 @@ export class FramesAsked {
   private asked: Asked[] = [];
   private newestNumber = 0;
   private doneNumber = 0;
-  private skippedNumber = 0;
+  private readonly skipped = new Set<number>(); // of which no request is known
 
   ask(camera: Camera, moving: Detail | null): void {
     this.asked.push({ camera, moving, number: null });
@@ -31,7 +31,7 @@ export class FramesAsked {
     if (!oldest) return;
     oldest.number = frame;
     this.newestNumber = Math.max(this.newestNumber, frame);
-    if (frame <= this.doneNumber || frame === this.skippedNumber) this.remove(oldest);
+    if (frame <= this.doneNumber || this.skipped.delete(frame)) this.remove(oldest);
   }
 
   /** The server has refused the oldest request without a reply. */
@@ -54,7 +54,7 @@ export class FramesAsked {
 
   /** `frame` was superseded before it began. The frame before it is still to come. */
   skip(frame: number): void {
-    this.skippedNumber = frame;
+    if (!this.find(frame)) this.skipped.add(frame);
     this.newestNumber = Math.max(this.newestNumber, frame);
     this.asked = this.asked.filter((asked) => asked.number !== frame);
   }

@@ -4,8 +4,6 @@ import type { FrameEnded, PassShown } from '../worker/messages';
 import type { Size } from './camera';
 
 export interface PictureHandlers {
-  /** The first pixels of a frame have come. */
-  onBegun(frame: number): void;
   onPass(pass: PassShown): void;
   onEnded(frame: FrameEnded): void;
   /** Pixels came that cannot be decoded. */

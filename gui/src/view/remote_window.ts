@@ -95,9 +95,6 @@ export class RemoteWindow {
   ) {
     this.id = pictures.newWindow();
     pictures.open(this.id, canvas, size, {
-      onBegun: (frame) => {
-        this.begun(frame);
-      },
       onPass: (pass) => {
         this.takePass(pass);
       },
@@ -116,7 +113,7 @@ export class RemoteWindow {
       }),
       ...['updated', 'added', 'dropped'].map((event) =>
         connection.on(event, ({ name }) => {
-          if (typeof name === 'string' && name in this.generations) void this.askForBox();
+          if (typeof name === 'string' && name in this.generations) this.askForBoxAgain();
         }),
       ),
     ];
@@ -274,6 +271,11 @@ export class RemoteWindow {
     this.onCamera(this.camera);
   }
 
+  // Data that are gone have no box. Frames tell what that means for the picture.
+  private askForBoxAgain(): void {
+    if (this.ready) this.askForBox().catch(() => undefined);
+  }
+
   private begin(): void {
     this.ready = true;
     this.cameraSent = false;
@@ -341,19 +343,16 @@ export class RemoteWindow {
     this.changed();
   };
 
-  // Pixels have come, so earlier errors are over.
-  private begun(number: number): void {
-    if (number <= this.frame.number) return;
-    this.frame = { ...NO_FRAME, number, scale: this.frame.scale, lossless: this.frame.lossless };
-    this.renderError = '';
-    this.refusals = 0;
-    this.againAt = Infinity;
-  }
-
   private takePass(pass: PassShown): void {
-    if (pass.frame < this.frame.number) return;
-    this.begun(pass.frame);
+    if (pass.frame > this.frame.number) {
+      const { scale, lossless } = this.frame;
+      this.frame = { ...NO_FRAME, number: pass.frame, scale, lossless };
+      this.renderError = ''; // Pixels have come, so earlier errors are over.
+      this.refusals = 0;
+      this.againAt = Infinity;
+    }
     const { frame } = this;
+    if (pass.frame < frame.number) return;
     frame.scale = pass.scale;
     frame.pass = pass.pass;
     if (!frame.shown) {

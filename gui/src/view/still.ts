@@ -28,7 +28,6 @@ export async function still(
     end('the connection is lost');
   });
   pictures.open(window, null, size, {
-    onBegun: () => undefined,
     onPass: () => undefined,
     onEnded: ({ status, error }) => {
       end(status === 'complete' ? '' : `the picture was ${status}: ${error}`);

@@ -21,15 +21,17 @@ export function ViewArea({ onKey }: { onKey: (key: string, view: View) => boolea
 
   if (views.length === 0)
     return <p className="empty">No view is open. Open a state file, or press View beside data.</p>;
+  const front = views.find(({ id }) => id === active);
   return (
     <>
-      <div ref={tabs} className="tabs" role="tablist" aria-label="Views">
-        {views.map((view, index) => (
-          <div key={view.id} className={view.id === active ? 'tab tab-active' : 'tab'} role="presentation">
+      <div className="tabs">
+        <div ref={tabs} className="tab-list" role="tablist" aria-label="Views">
+          {views.map((view, index) => (
             <button
+              key={view.id}
               type="button"
               role="tab"
-              className="plain"
+              className={view.id === active ? 'tab tab-active' : 'tab'}
               aria-selected={view.id === active}
               tabIndex={view.id === active ? 0 : -1}
               onClick={() => {
@@ -41,20 +43,20 @@ export function ViewArea({ onKey }: { onKey: (key: string, view: View) => boolea
             >
               <Foreign text={view.title} />
             </button>
-            <button
-              type="button"
-              className="plain"
-              tabIndex={-1}
-              aria-hidden // A tab list has tabs only; the key Delete closes one.
-              title={`Close ${view.title}`}
-              onClick={() => {
-                close(view.id);
-              }}
-            >
-              ×
-            </button>
-          </div>
-        ))}
+          ))}
+        </div>
+        {front && (
+          <button
+            type="button"
+            className="plain"
+            aria-label={`Close ${front.title}`}
+            onClick={() => {
+              close(front.id);
+            }}
+          >
+            ×
+          </button>
+        )}
       </div>
       {views.map((view) => (
         <ViewPane key={view.id} view={view} shown={view.id === active} onKey={onKey} />

@@ -58,9 +58,15 @@ function ViewLine({ view }: { view: View }) {
   const error = status.text.startsWith('error: ');
   return (
     <div className="view-line" data-whole={status.whole}>
-      <span className={error ? 'error' : undefined} role={error ? 'alert' : undefined}>
-        <Foreign text={status.text} />
-      </span>
+      {error ? (
+        <p className="view-error" role="alert">
+          <Foreign text={status.text} />
+        </p>
+      ) : (
+        <span>
+          <Foreign text={status.text} />
+        </span>
+      )}
       {more.map((text) => (
         <span key={text}>{text}</span>
       ))}
@@ -69,12 +75,14 @@ function ViewLine({ view }: { view: View }) {
   );
 }
 
-/** The size of an element in the pixels of the screen. */
+/** The size of an element in the pixels of the screen: exact where the browser tells it, and if that is plausible. */
 function sizeOf(entry: ResizeObserverEntry): Size {
-  const box = entry.devicePixelContentBoxSize?.[0];
-  if (box) return { width: box.inlineSize, height: box.blockSize };
-  const { width, height } = entry.contentRect;
-  return { width: Math.round(width * devicePixelRatio), height: Math.round(height * devicePixelRatio) };
+  const width = entry.contentRect.width * devicePixelRatio;
+  const height = entry.contentRect.height * devicePixelRatio;
+  const exact = entry.devicePixelContentBoxSize?.[0];
+  if (exact && Math.abs(exact.inlineSize - width) <= 1 && Math.abs(exact.blockSize - height) <= 1)
+    return { width: exact.inlineSize, height: exact.blockSize };
+  return { width: Math.round(width), height: Math.round(height) };
 }
 
 /** Puts a canvas of the element's size into the element. A canvas can be given to a worker once, so this makes a new one. */

@@ -27,22 +27,24 @@ async function unpacked(tile: PixelRecord, expected: number): Promise<Uint8Array
   }
 }
 
+const LONGEST_HEADER = 18;
 const ZSTD_MAGIC = 0xfd2fb528;
 const LARGEST_WINDOW = 8 << 20; // as much as a zstd frame of the largest tile asks for
 
 // fzstd takes the memory that a frame's header asks for, so that is checked before (RFC 8878, section 3.1.1.1).
 function checkWindow(data: Uint8Array): void {
-  const descriptor = data[4] ?? 0;
+  const header = new Uint8Array(LONGEST_HEADER); // zeros behind short data
+  header.set(data.subarray(0, LONGEST_HEADER));
+  const view = new DataView(header.buffer);
+  if (view.getUint32(0, true) !== ZSTD_MAGIC) throw new Error('pixels: a tile is no zstd frame');
+  const descriptor = view.getUint8(4);
   const singleSegment = (descriptor & 0x20) !== 0;
-  const view = new DataView(data.buffer, data.byteOffset, data.length);
-  if (data.length < 14 || view.getUint32(0, true) !== ZSTD_MAGIC)
-    throw new Error('pixels: a tile is no zstd frame');
   const idBytes = [0, 1, 2, 4][descriptor & 3] ?? 0;
   const at = 5 + (singleSegment ? 0 : 1) + idBytes;
-  const power = (data[5] ?? 0) >> 3;
+  const power = view.getUint8(5) >> 3;
   const window = singleSegment
     ? [view.getUint8(at), view.getUint16(at, true) + 256, view.getUint32(at, true), Infinity][descriptor >> 6]
-    : 2 ** (10 + power) * (1 + ((data[5] ?? 0) & 7) / 8);
+    : 2 ** (10 + power) * (1 + (view.getUint8(5) & 7) / 8);
   if (!(window !== undefined && window <= LARGEST_WINDOW))
     throw new Error(`pixels: a tile's zstd frame asks for more than ${LARGEST_WINDOW} bytes of memory`);
 }

@@ -56,8 +56,6 @@ export type FromWorker =
   | { kind: 'reply'; id: number; text: string }
   | { kind: 'event'; text: string }
   | { kind: 'file'; id: number; object: JsonObject; content: Uint8Array<ArrayBuffer> }
-  /** The first pixels of a frame have come. */
-  | { kind: 'begun'; window: number; frame: number }
   | { kind: 'pass'; pass: PassShown }
   | { kind: 'ended'; frame: FrameEnded }
   /** Pixels that cannot be decoded. */

@@ -10,7 +10,6 @@ import { type Pass, PassQueue, type Work } from './passes';
 interface Window {
   painter: Painter;
   queue: PassQueue;
-  begun: number; // the newest frame of which pixels have come
   busy: boolean;
 }
 
@@ -27,7 +26,7 @@ export class Windows {
   add(id: number, canvas: OffscreenCanvas | null, width: number, height: number): void {
     this.windows.set(id, {
       painter: new Painter(canvas, width, height),
-      ...{ queue: new PassQueue(), begun: 0, busy: false },
+      ...{ queue: new PassQueue(), busy: false },
     });
   }
 
@@ -43,20 +42,13 @@ export class Windows {
   restart(): void {
     for (const window of this.windows.values()) {
       window.queue = new PassQueue();
-      window.begun = 0;
     }
   }
 
   take(record: PixelRecord): void {
     const window = this.windows.get(record.window);
     if (!window) return;
-    if (record.kind === Kind.Tile) {
-      if (record.encoding === Encoding.Jpeg) this.decodeAhead(record);
-      if (record.frame > window.begun) {
-        window.begun = record.frame;
-        this.post({ kind: 'begun', window: record.window, frame: record.frame });
-      }
-    }
+    if (record.kind === Kind.Tile && record.encoding === Encoding.Jpeg) this.decodeAhead(record);
     window.queue.take(record, performance.now());
     if (!window.busy) void this.work(record.window, window);
   }

@@ -69,8 +69,8 @@ GALAXY_MODULE(registration) {
   registration.verb({"make", "[shared] ENTRY",
                      "Makes datasets of datasets, or tells numbers: entries of a state file with a `filter`.",
                      Order::Aside, make});
-  registration.verb(
-      {"filters", "", "What filters there are, with their inputs and properties.", Order::InTurn, filters});
+  registration.verb({"filters", "", "What filters there are, with their inputs and properties.",
+                     Order::InTurn, filters, Effect::Looks});
   registration.verb({"watch", "{\"expression\": TEXT}",
                      "Tells when a condition on whole fields begins to hold, such as max(p) > 3.",
                      Order::Aside, watch});

@@ -6,6 +6,8 @@
 #include "core/scene/state_file.h"
 #include "multiserver/modules/data/export.h"
 #include "multiserver/modules/data/fetch.h"
+#include "multiserver/modules/data/files.h"
+#include "multiserver/modules/data/histogram.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/filter_runs.h"
 #include "multiserver/server/module.h"
@@ -208,8 +210,9 @@ json unobserve(Request& request, protocol::Arguments arguments) {
 
 using Action = json (*)(Request&, protocol::Arguments);
 
-Verb verb(std::string name, std::string arguments, std::string help, Order order, Action action) {
-  Verb v{std::move(name), std::move(arguments), std::move(help), order, {}};
+Verb verb(std::string name, std::string arguments, std::string help, Order order, Action action,
+          Effect effect = Effect::Changes) {
+  Verb v{std::move(name), std::move(arguments), std::move(help), order, {}, effect};
   v.action = [usage = v.name + (v.arguments.empty() ? "" : " " + v.arguments), action](Request& request) {
     return action(request, protocol::Arguments(request.arguments(), usage));
   };
@@ -222,8 +225,9 @@ Verb verb(std::string name, std::string arguments, std::string help, Order order
 GALAXY_MODULE(registration) {
   using namespace gxy;
   registration.verb(verb("list", "[all]", "Names the datasets; with `all` those that graphs have made, too.",
-                         Order::InTurn, list));
-  registration.verb(verb("info", "[NAME]", "What is known of a dataset, or of all.", Order::InTurn, info));
+                         Order::InTurn, list, Effect::Looks));
+  registration.verb(
+      verb("info", "[NAME]", "What is known of a dataset, or of all.", Order::InTurn, info, Effect::Looks));
   registration.verb(verb("import", "[shared] [new | like NAME] {\"Datasets\": [...]}",
                          "Reads files; each becomes a dataset, or a new generation of one.", Order::Aside,
                          import));
@@ -233,15 +237,25 @@ GALAXY_MODULE(registration) {
   registration.verb({"fetch", "NAME", "Sends the client what a dataset holds, as arrays.", Order::Aside,
                      [fetches = addFetchWork(registration)](Request& request) {
                        return fetchDataset(*fetches, request, {request.arguments(), "fetch NAME"});
-                     }});
+                     },
+                     Effect::Looks});
+  registration.verb(verb("files", "[FOLDER]", "What can be opened in the server's data folders.",
+                         Order::InTurn, files, Effect::Looks));
+  registration.verb(
+      {"histogram", "NAME [BINS [COMPONENT]]", "How often values are in which bin.", Order::Aside,
+       [histograms = std::make_shared<Histograms>()](Request& request) {
+         return histogram(*histograms, request, {request.arguments(), "histogram NAME [BINS [COMPONENT]]"});
+       },
+       Effect::Looks});
   registration.verb(verb("drop", "NAME", "Forgets a dataset.", Order::InTurn, drop));
   registration.verb(verb("rename", "NAME NEW", "Gives a dataset another name.", Order::InTurn, rename));
-  registration.verb(verb("range", "NAME", "Least and largest value.", Order::InTurn, range));
+  registration.verb(verb("range", "NAME", "Least and largest value.", Order::InTurn, range, Effect::Looks));
   registration.verb(
       verb("publish", "NAME [writable]", "Lets all tenants see a dataset.", Order::InTurn, publish));
   registration.verb(verb("unpublish", "NAME", "Takes a dataset back.", Order::InTurn, unpublish));
+  registration.verb(verb("wait", "NAME [GENERATION [SECONDS]]", "Until there is a new generation.",
+                         Order::Aside, wait, Effect::Looks));
   registration.verb(
-      verb("wait", "NAME [GENERATION [SECONDS]]", "Until there is a new generation.", Order::Aside, wait));
-  registration.verb(verb("observe", "[NAME]", "Events of a dataset, or of all.", Order::InTurn, observe));
-  registration.verb(verb("unobserve", "[NAME]", "No more events.", Order::InTurn, unobserve));
+      verb("observe", "[NAME]", "Events of a dataset, or of all.", Order::InTurn, observe, Effect::Looks));
+  registration.verb(verb("unobserve", "[NAME]", "No more events.", Order::InTurn, unobserve, Effect::Looks));
 }

@@ -80,5 +80,6 @@ struct Threshold {
 GALAXY_MODULE(registration) {
   registration.work<RangeWork>();
   registration.filter<Threshold>();
-  registration.verb({"range", "NAME", "Least and largest value, found on all ranks.", Order::InTurn, range});
+  registration.verb(
+      {"range", "NAME", "Least and largest value, found on all ranks.", Order::InTurn, range, Effect::Looks});
 }

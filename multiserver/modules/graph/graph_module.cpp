@@ -253,30 +253,34 @@ GALAXY_MODULE(registration) {
   const auto graphs = graphsOf(registration);
   registration.keep(graphs);
   using Action = nlohmann::json (*)(Graphs&, Request&, protocol::Arguments);
-  const auto add = [&](std::string name, std::string arguments, std::string help, Order order,
-                       Action action) {
-    Verb verb{std::move(name), std::move(arguments), std::move(help), order, {}};
+  const auto add = [&](std::string name, std::string arguments, std::string help, Order order, Action action,
+                       Effect effect = Effect::Changes) {
+    Verb verb{std::move(name), std::move(arguments), std::move(help), order, {}, effect};
     verb.action = [usage = verb.name + (verb.arguments.empty() ? "" : " " + verb.arguments), &g = *graphs,
                    action](Request& request) {
       return action(g, request, protocol::Arguments(request.arguments(), usage));
     };
     registration.verb(std::move(verb));
   };
-  add("list", "", "Names the graphs.", Order::InTurn, graph::list);
+  add("list", "", "Names the graphs.", Order::InTurn, graph::list, Effect::Looks);
   add("new", "NAME [JSON]", "Makes a graph, of a document or empty.", Order::InTurn, graph::make);
-  add("get", "NAME", "The document of a graph, and the states of its nodes.", Order::InTurn, graph::get);
+  add("get", "NAME", "The document of a graph, and the states of its nodes.", Order::InTurn, graph::get,
+      Effect::Looks);
   add("numbers", "NAME NODE [GENERATION]", "What a node has told of its generations, from one on.",
-      Order::InTurn, graph::numbers);
+      Order::InTurn, graph::numbers, Effect::Looks);
   add("edit", "NAME {\"edits\": [...]}", "Changes the document, all or nothing.", Order::InTurn, graph::edit);
-  add("watch", "NAME", "Events of a graph: edits, states, who watches.", Order::InTurn, graph::watch);
-  add("unwatch", "NAME", "No more of these events.", Order::InTurn, graph::unwatch);
+  add("watch", "NAME", "Events of a graph: edits, states, who watches.", Order::InTurn, graph::watch,
+      Effect::Looks);
+  add("unwatch", "NAME", "No more of these events.", Order::InTurn, graph::unwatch, Effect::Looks);
   add("run", "NAME [NODE]", "Evaluates all nodes, or one with what it needs.", Order::InTurn, graph::run);
   add("pause", "NAME", "Evaluates nothing more by itself.", Order::InTurn, graph::pause);
   add("resume", "NAME", "Evaluates by itself again.", Order::InTurn, graph::resume);
   add("cancel", "NAME [NODE]", "Ends what is being evaluated.", Order::InTurn, graph::cancel);
-  add("wait", "NAME [SECONDS]", "Until nothing is being evaluated.", Order::Aside, graph::wait);
-  add("check", "JSON", "What is wrong with a document.", Order::InTurn, graph::check);
-  add("types", "", "What filters there are, with their inputs and properties.", Order::InTurn, graph::types);
+  add("wait", "NAME [SECONDS]", "Until nothing is being evaluated.", Order::Aside, graph::wait,
+      Effect::Looks);
+  add("check", "JSON", "What is wrong with a document.", Order::InTurn, graph::check, Effect::Looks);
+  add("types", "", "What filters there are, with their inputs and properties.", Order::InTurn, graph::types,
+      Effect::Looks);
   add("publish", "NAME [writable]", "Lets all tenants look at a graph, or also change it.", Order::InTurn,
       graph::publish);
   add("unpublish", "NAME", "Takes a graph back.", Order::InTurn, graph::unpublish);

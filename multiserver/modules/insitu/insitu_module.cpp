@@ -158,7 +158,7 @@ GALAXY_MODULE(registration) {
   registration.verb({"join", "JSON", "A rank of a simulation says that it will publish steps.", Order::InTurn,
                      [&s](Request& r) { return join(s, r); }});
   registration.verb({"streams", "", "Lists the simulations that publish steps.", Order::InTurn,
-                     [&s](Request& r) { return list(s, r); }});
+                     [&s](Request& r) { return list(s, r); }, Effect::Looks});
   registration.verb({"close", "NAME", "Ends a stream; its data stay.", Order::InTurn,
                      [&s](Request& r) { return close(s, r); }});
   registration.verb({"trigger", "STREAM JSON", "Has the server do something with steps of a stream.",
@@ -168,7 +168,7 @@ GALAXY_MODULE(registration) {
   registration.verb({"untrigger", "STREAM NAME", "Removes a trigger.", Order::InTurn,
                      [&s](Request& r) { return untrigger(s, r); }});
   registration.verb({"triggers", "STREAM", "Lists the triggers of a stream.", Order::InTurn,
-                     [&s](Request& r) { return triggers(s, r); }});
+                     [&s](Request& r) { return triggers(s, r); }, Effect::Looks});
   registration.verb({"listen", "", "Events about streams: of triggers, and their ends.", Order::InTurn,
-                     [&s](Request& r) { return listen(s, r); }});
+                     [&s](Request& r) { return listen(s, r); }, Effect::Looks});
 }

@@ -209,6 +209,7 @@ RenderRequest readRender(Request& request, const std::optional<std::string_view>
   if (const json* rays = members.find("rays"))
     options.rays = uint32_t(members.integerIn(*rays, "rays", 1, 65536));
   options.quality = int(members.integer("quality", 75, 1, 100));
+  options.tile = uint32_t(members.integer("tile", protocol::kTileSide, 64, protocol::kMostTileSide));
   options.wait = members.flag("wait", false);
   const std::string encoding = members.oneOf("encoding", {"zstd", "raw", "jpeg", "zlib"});
   options.encoding = encoding == "raw"    ? protocol::PixelEncoding::Raw
@@ -461,9 +462,11 @@ json show(Services& services, Request& request, Arguments arguments) {
   return result;
 }
 
+// Windows belong to their session, so what makes and changes them looks. `set` and `show` import nothing for a view-only
+// session (FilterRuns::importAndMake).
 Verb verb(std::string name, std::string arguments, std::string help, Order order,
-          std::function<json(Request&, Arguments)> action) {
-  Verb v{std::move(name), std::move(arguments), std::move(help), order, {}};
+          std::function<json(Request&, Arguments)> action, Effect effect = Effect::Looks) {
+  Verb v{std::move(name), std::move(arguments), std::move(help), order, {}, effect};
   v.action = [usage = v.name + (v.arguments.empty() ? "" : " " + v.arguments), action = std::move(action)](
                  Request& request) { return action(request, Arguments(request.arguments(), usage)); };
   return v;
@@ -500,8 +503,10 @@ GALAXY_MODULE(registration) {
   registration.verb(verb("show", "NAME... [JSON] | ID {\"graph\": NAME, \"view\": NAME}",
                          "Sends a picture of datasets or data files; or has a window show a view of a graph.",
                          Order::Aside, [&s](Request& r, Arguments a) { return show(s, r, std::move(a)); }));
-  registration.verb(verb("batch", "JSON", "Renders every visualization with every camera of a state.",
-                         Order::Aside, [&s](Request& r, Arguments a) { return batch(s, r, std::move(a)); }));
-  registration.verb(verb("cinema", "JSON", "Makes a Cinema database of a sweep, or adds to it.", Order::Aside,
-                         [&s](Request& r, Arguments a) { return cinema(s, r, a.expectJson()); }));
+  registration.verb(verb(
+      "batch", "JSON", "Renders every visualization with every camera of a state.", Order::Aside,
+      [&s](Request& r, Arguments a) { return batch(s, r, std::move(a)); }, Effect::Changes));
+  registration.verb(verb(
+      "cinema", "JSON", "Makes a Cinema database of a sweep, or adds to it.", Order::Aside,
+      [&s](Request& r, Arguments a) { return cinema(s, r, a.expectJson()); }, Effect::Changes));
 }

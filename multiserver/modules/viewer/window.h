@@ -44,6 +44,7 @@ struct FrameOptions {
   uint32_t rays = 0;                   ///< per pixel in each pass; 0: as many as the state says
   protocol::PixelEncoding encoding = protocol::PixelEncoding::Zstd;
   int quality = 75;
+  uint32_t tile = protocol::kTileSide;
   /// The frame begins once the first pass of the frame under way has been sent, instead of superseding that frame.
   bool wait = false;
 };

@@ -280,6 +280,7 @@ void Window::startStage(const FramePtr& frame) {
     request.account = tenant_;
     wanted.encoding = frame->options.encoding;
     wanted.quality = frame->options.quality;
+    wanted.tile = frame->options.tile;
     if (frame->last() && frame->options.passes > 1) wanted.as = PictureFormat::As::Sums;
   }
   PictureReceiver receiver;
@@ -370,7 +371,8 @@ void Window::addPass(const FramePtr& frame) {
   const Picture mean{
       sum.width, sum.height,
       pixelsOf(sum.sums, frame->samples * int(frame->pass + 1), frame->background, {sum.width, sum.height})};
-  for (Bytes& tile : tilesOfPicture(mean, frame->options.encoding, frame->options.quality))
+  for (Bytes& tile :
+       tilesOfPicture(mean, frame->options.encoding, frame->options.quality, frame->options.tile))
     onTile(frame, std::move(tile));
 }
 
