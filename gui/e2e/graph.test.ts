@@ -85,7 +85,7 @@ describe.each([1, 3])('on %i ranks', (ranks) => {
   });
 
   it('figure 1 opens as nine nodes, is evaluated, and its view equals gxyrender’s picture of the saved file', async () => {
-    const page = await opened(server);
+    const page = await opened(server, 800, 520);
     await openGraphFile(page, figure1);
     for (const id of ['gradient', 'seeds', 'lines']) await state(page, `Datasets/${id}`, 'done');
     await state(page, 'Visualizations/view', 'done');

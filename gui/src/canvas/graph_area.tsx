@@ -36,9 +36,14 @@ export function GraphArea({ connection }: { readonly connection: Connection }) {
   const datasets = useDatasets(fail);
 
   useEffect(() => {
-    const end = beginGraphs(connection);
-    openFirst().catch(() => undefined);
-    return end;
+    const first = (): void => {
+      if (connection.state.kind === 'open') openFirst().catch(fail);
+    };
+    first();
+    const ends = [beginGraphs(connection), connection.onState(first)];
+    return () => {
+      for (const end of ends) end();
+    };
   }, [connection]);
   useEffect(() => {
     if (session) sessionStorage.setItem(KEPT, session.name);
