@@ -50,7 +50,7 @@ export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
           </div>
         ))}
       </div>
-      <div id="panel" role="tabpanel" aria-label={tab} className="panel" tabIndex={-1}>
+      <div id="panel" role="tabpanel" aria-label={tab} className="panel" tabIndex={0}>
         {tab === 'Live data' && liveData}
         {tab === 'Properties' && (node ? <NodeForm node={node} /> : none)}
         {tab === 'Data' && (node ? <DataTab node={node} /> : none)}
