@@ -58,7 +58,7 @@ it('a broken tunnel is said and the picture stays; once it is mended the view go
   const proxy = await Proxy.to(server.url);
   const page = await browser.page(500, 360);
   await page.goto(proxy.through(server.ticketUrl()));
-  await openFile(page, join(server.folder, 'demo.json'));
+  await openFile(page, join(server.folder, 'ball.json'));
   await whole(page);
   const before = await savedPicture(page);
 
@@ -86,7 +86,7 @@ it('a broken tunnel is said and the picture stays; once it is mended the view go
 it('another life of the server has another token: the page asks for it, and its view goes on', async () => {
   const page = await browser.page(500, 360);
   await page.goto(server.ticketUrl());
-  await openFile(page, join(server.folder, 'demo.json'));
+  await openFile(page, join(server.folder, 'ball.json'));
   await whole(page);
   const before = await savedPicture(page);
 

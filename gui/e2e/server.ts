@@ -25,6 +25,16 @@ declare module 'vitest' {
 }
 
 const examples = join(import.meta.dirname, '../../docs/examples');
+// A scene that is rendered in a moment.
+const BALL = {
+  Datasets: { name: 'ball', type: 'Volume', filename: 'radial.vti', array: 'oneBall' },
+  Visualization: {
+    operators: [
+      { type: 'Volume', dataset: 'ball', colormap: 'Viridis', 'data range': [0, 1.7], isovalues: [0.5] },
+    ],
+  },
+  Camera: { viewpoint: [3, 2, 4], viewcenter: [0, 0, 0], viewup: [0, 1, 0], aov: 30 },
+};
 const STARTS_WITHIN = 60_000;
 
 export class Server {
@@ -39,6 +49,7 @@ export class Server {
     server.make('gxydata', 'radial', '-r', '32', 'radial.vti');
     server.make('gxydata', 'helix', '-r', '3', 'helix.vtp');
     copyFileSync(join(examples, 'demo.json'), join(server.folder, 'demo.json'));
+    server.file('ball.json', JSON.stringify(BALL));
     await server.launch();
     return server;
   }

@@ -55,10 +55,10 @@ it('data that others import appear in the list, and one press shows them', async
 
 it('two views are tabs of their own; the one in front is shown, and each closes by itself', async () => {
   const page = await open(500, 360);
-  await openFile(page, join(server.folder, 'demo.json'));
+  await openFile(page, join(server.folder, 'ball.json'));
   await whole(page);
   const first = await savedPicture(page);
-  const state = JSON.parse(readFileSync(join(server.folder, 'demo.json'), 'utf8')) as Record<string, object>;
+  const state = JSON.parse(readFileSync(join(server.folder, 'ball.json'), 'utf8')) as Record<string, object>;
   state['Camera'] = { viewpoint: [0, 5, 0.1], viewcenter: [0, 0, 0], viewup: [0, 1, 0], aov: 40 };
   await openFile(page, server.file('above.json', JSON.stringify(state)));
   await whole(page);
@@ -68,11 +68,11 @@ it('two views are tabs of their own; the one in front is shown, and each closes 
   // The first one is not asked for while it is behind.
   const frames = () => (server.say('stat')['tenants'] as { frames: number }[])[0]?.frames;
   const before = frames();
-  await page.getByRole('tab', { name: 'demo.json' }).click();
+  await page.getByRole('tab', { name: 'ball.json' }).click();
   await whole(page);
   expect((await savedPicture(page)).rgba.equals(first.rgba)).toBe(true);
   expect(frames()).toBeGreaterThan(before ?? 0);
-  await page.getByRole('button', { name: 'Close demo.json' }).click();
+  await page.getByRole('button', { name: 'Close ball.json' }).click();
   await whole(page);
   expect((await savedPicture(page)).rgba.equals(second.rgba)).toBe(true);
   await page.getByRole('button', { name: 'Close above.json' }).click();
@@ -83,12 +83,12 @@ it('two views are tabs of their own; the one in front is shown, and each closes 
 
 it('a state file that is saved without a motion says what the opened one said', async () => {
   const page = await open(500, 360);
-  await openFile(page, join(server.folder, 'demo.json'));
+  await openFile(page, join(server.folder, 'ball.json'));
   await whole(page);
   const { name, content } = await saved(page, 'Save state file');
-  expect(name).toBe('demo-view.json');
+  expect(name).toBe('ball-view.json');
   expect(JSON.parse(content.toString())).toEqual(
-    JSON.parse(readFileSync(join(server.folder, 'demo.json'), 'utf8')),
+    JSON.parse(readFileSync(join(server.folder, 'ball.json'), 'utf8')),
   );
   browser.check();
   await page.context().close();
@@ -109,7 +109,7 @@ it('a file that is no state file, and what the server refuses, are said', async 
 
 it('keys turn the picture and bring it back, and a picture that is saved meanwhile has all its passes', async () => {
   const page = await open(500, 360);
-  await openFile(page, join(server.folder, 'demo.json'));
+  await openFile(page, join(server.folder, 'ball.json'));
   await whole(page);
   const before = await savedPicture(page);
   const picture = page.getByRole('application');
@@ -133,14 +133,14 @@ it('keys turn the picture and bring it back, and a picture that is saved meanwhi
 
 it('the picture has the pixels of the screen, at any ratio and after a change of the size', async () => {
   for (const scale of [1.5, 2]) {
-    const page = await open(401, 301, scale);
-    await openFile(page, join(server.folder, 'demo.json'));
+    const page = await open(361, 241, scale);
+    await openFile(page, join(server.folder, 'ball.json'));
     await whole(page);
     const { width, height, box } = await canvasOf(page);
     expect(Math.abs(width - box.width * scale)).toBeLessThanOrEqual(1);
     const picture = await savedPicture(page);
     expect([picture.width, picture.height]).toEqual([width, height]);
-    await page.setViewportSize({ width: 333, height: 301 });
+    await page.setViewportSize({ width: 333, height: 241 });
     await page.locator('.view-line[data-whole=false]').waitFor();
     await whole(page);
     const smaller = await savedPicture(page);
@@ -151,10 +151,11 @@ it('the picture has the pixels of the screen, at any ratio and after a change of
 });
 
 it.each(['light', 'dark'] as const)('axe-core finds nothing serious in the %s theme', async (scheme) => {
-  const page = await open(1280, 800, 1, scheme);
+  const page = await open(860, 540, 1, scheme);
   await openFile(page, join(server.folder, 'demo.json'));
-  await whole(page);
-  await page.screenshot({ path: join(inject('pictures'), `${scheme}-1280x800.png`) });
+  if (scheme === 'light') await whole(page);
+  else await page.getByText('lossless').waitFor();
+  await page.screenshot({ path: join(inject('pictures'), `page-${scheme}.png`) });
   const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
   await page.evaluate(axe);
   const look = async () => {

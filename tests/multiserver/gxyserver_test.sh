@@ -46,7 +46,7 @@ ranks_of() { pgrep -P "$(pgrep -P "$server")" gxyserver; }
 start 2 --backend embree
 check EachRankSaysWhatItRendersWith test "$(grep -c 'rank [01]: backend embree, CPU' server.log)" = 2
 check TokenIsForItsUserOnly test "$(stat -c %a "$XDG_RUNTIME_DIR/galaxy/$port.token")" = 600
-check ItsLogNamesTheCommandForBrowsers grep -q "in a browser:      run: galaxy gui localhost:$port\$" server.log
+check ItsLogNamesTheCommandForBrowsers grep -q "in a browser:     run: galaxy gui localhost:$port\$" server.log
 check AndHasNoTicket bash -c "! grep -q 'ticket=' server.log"
 check TheCommandPrintsAnAddressThatLetsIn bash -c \
   "env -u DISPLAY -u WAYLAND_DISPLAY '$galaxy' gui localhost:$port | grep -Eqx 'galaxy: open http://localhost:$port/#ticket=[A-Za-z0-9_-]{43}'"
@@ -335,7 +335,7 @@ for _ in $(seq 300); do [[ -s port ]] && break; sleep 0.1; done
 port=$(cat port)
 echo 'quit;' | msdata
 wait $!
-check AtATerminalTheAddressHasATicket grep -Eq "in a browser:      open http://localhost:$port/#ticket=[A-Za-z0-9_-]{43}" serve.tty
+check AtATerminalTheAddressHasATicket grep -Eq "in a browser:     open http://localhost:$port/#ticket=[A-Za-z0-9_-]{43}" serve.tty
 
 for program in msdata msclient; do
   "$bin/$program" --nosuch 2>error.txt

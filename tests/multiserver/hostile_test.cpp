@@ -418,7 +418,7 @@ TEST(Hostile, ABatchThatWaitsForWhoReadsNoPicturesIsCancelledNevertheless) {
   slow.greet("slow");
   ASSERT_TRUE(slow.request(1, "load viewer"));
   ASSERT_TRUE(slow.request(2, "batch " + json{{"state", state}, {"to", "client"}, {"format", "raw"}}.dump()));
-  json mine;
+  json mine = json::object();  // until it has been admitted
   const auto look = [&] {
     const json stat = other->expect("stat");
     for (const json& c : stat.at("clients"))

@@ -210,7 +210,7 @@ bool isReadByUserOnly(const ServeOptions& options) {
 void announceGui(const ServeOptions& options, const std::string& where, Tickets& tickets,
                  const TokenFiles& tokens) {
   if (!options.server.gui) return;
-  std::cout << "gxyserver: in a browser:      ";
+  std::cout << "gxyserver: in a browser:     ";
   if (tokens.files().empty())
     std::cout << "open http://" << where << "/\n";
   else if (isReadByUserOnly(options))

@@ -18,10 +18,12 @@ export function DataPanel({ onView, onAdd }: DataPanelProps) {
       <thead>
         <tr>
           <th scope="col">Data</th>
-          <th scope="col">Type</th>
-          <th scope="col">Generation</th>
           <th scope="col">
             <span className="unseen">View</span>
+          </th>
+          <th scope="col">Type</th>
+          <th scope="col" className="number">
+            Generation
           </th>
         </tr>
       </thead>
@@ -38,8 +40,6 @@ export function DataPanel({ onView, onAdd }: DataPanelProps) {
               <Foreign text={name} />
               {shared && <span className="weak"> (shared)</span>}
             </th>
-            <td>{type}</td>
-            <td className="number">{generation}</td>
             <td>
               <button
                 type="button"
@@ -63,6 +63,8 @@ export function DataPanel({ onView, onAdd }: DataPanelProps) {
                 </button>
               )}
             </td>
+            <td>{type}</td>
+            <td className="number">{generation}</td>
           </tr>
         ))}
       </tbody>

@@ -26,7 +26,7 @@ export class Link {
   private ended = false;
   private hidden = false;
   private heardAt = performance.now();
-  private askedAt = 0;
+  private askedAt = -Infinity;
   private silent = false;
   private readonly timer: ReturnType<typeof setInterval>;
 

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+// When a window asks for frames, with a clock and a server of the test's own.
+import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import type { Connection, ConnectionState } from '../wire/connection';
+import type { JsonObject } from '../wire/json';
+import type { PassShown } from '../worker/messages';
+import type { Camera } from './camera';
+import type { PictureHandlers, Pictures } from './pictures';
+import { RemoteWindow } from './remote_window';
+
+const WELCOME = { server: '', session: 1, tenant: '', administrator: false, ranks: 1, limits: {} };
+const CAMERA: Camera = {
+  ...{ viewpoint: [0, 0, 4], viewdirection: [0, 0, -4], viewup: [0, 1, 0] },
+  ...{ aov: 30, height: 1 },
+};
+const moved = (x: number): Camera => ({ ...CAMERA, viewpoint: [x, 0, 4] });
+
+/** A server whose frames come when the test says so. It answers requests at once, `render` with ascending numbers. */
+class Stage implements Connection, Pictures {
+  state: ConnectionState = { kind: 'open', welcome: WELCOME };
+  handlers: PictureHandlers | null = null;
+  /** The options of all `render`s. */
+  renders: JsonObject[] = [];
+  requests: string[] = [];
+  refusal: string | null = null;
+  private readonly listeners: ((state: ConnectionState) => void)[] = [];
+
+  request(text: string): Promise<JsonObject> {
+    this.requests.push(text);
+    if (text.startsWith('viewer.camera'))
+      return Promise.resolve({
+        Camera: { ...CAMERA, viewpoint: [0, 0, 4] } as unknown as JsonObject,
+        box: null,
+      });
+    if (!text.startsWith('viewer.render')) return Promise.resolve({});
+    this.renders.push(JSON.parse(text.slice(text.indexOf('{'))) as JsonObject);
+    if (this.refusal !== null) return Promise.reject(new Error(this.refusal));
+    return Promise.resolve({ frame: this.renders.length });
+  }
+  onState(handler: (state: ConnectionState) => void) {
+    this.listeners.push(handler);
+    return () => undefined;
+  }
+  set(state: ConnectionState): void {
+    this.state = state;
+    for (const listener of this.listeners) listener(state);
+  }
+  on = () => () => undefined;
+  onFile = () => () => undefined;
+  newWindow = () => 1;
+  open(_window: number, _canvas: unknown, _size: unknown, handlers: PictureHandlers): void {
+    this.handlers = handlers;
+  }
+  resize = () => undefined;
+  close = () => undefined;
+  png = () => Promise.reject(new Error('no picture'));
+
+  pass(frame: number, rest: Partial<PassShown> = {}): void {
+    this.handlers?.onPass({
+      ...{ window: 1, frame, scale: 1, pass: 0, lossless: false, seconds: 0.01 },
+      ...{ bytes: 1000, bytesPerSecond: null, generations: {} },
+      ...rest,
+    });
+  }
+  end(frame: number, status: string, error = ''): void {
+    this.handlers?.onEnded({
+      ...{ window: 1, frame, status, error, seconds: 1 },
+      ...{ generations: {}, revision: null },
+    });
+  }
+}
+
+let stage: Stage;
+let window: RemoteWindow;
+const settle = () => vi.advanceTimersByTimeAsync(0);
+
+beforeEach(async () => {
+  vi.useFakeTimers();
+  stage = new Stage();
+  window = new RemoteWindow(stage, stage, null, { width: 100, height: 80 }, 16);
+  window.show({ kind: 'document', document: {} }, 16, null);
+  await settle();
+});
+afterEach(() => {
+  window.close();
+  vi.useRealTimers();
+});
+
+/** Until the picture at rest, which is frame 2, is whole. */
+async function rest(): Promise<void> {
+  stage.pass(1);
+  await vi.advanceTimersByTimeAsync(250);
+  for (let pass = 0; pass < 16; pass++) stage.pass(2, { pass, lossless: true });
+  stage.end(2, 'complete');
+  await settle();
+}
+
+it('the first picture is JPEG in large tiles; at rest it is lossless and refined, and then it is whole', async () => {
+  expect(stage.renders).toMatchObject([{ encoding: 'jpeg', levels: [4], tile: 512, rays: 1, wait: false }]);
+  stage.pass(1);
+  await vi.advanceTimersByTimeAsync(249);
+  expect(stage.renders.length).toBe(1);
+  expect(window.status.text).toMatch(/^moving: JPEG/);
+  await vi.advanceTimersByTimeAsync(1);
+  expect(stage.renders[1]).toMatchObject({ passes: 16, rays: 1 });
+  expect(stage.renders[1]).not.toHaveProperty('encoding');
+  stage.pass(2, { lossless: true });
+  expect(window.status).toMatchObject({ text: 'lossless, refining: 1 of 16 passes', whole: false });
+  for (let pass = 1; pass < 16; pass++) stage.pass(2, { pass, lossless: true });
+  stage.end(2, 'complete');
+  expect(window.status).toMatchObject({ text: 'lossless, 16 of 16 passes, 1.00 s', whole: true });
+});
+
+it('two frames are under way while the camera moves, the second waits, and the newest camera comes last', async () => {
+  await rest();
+  for (let x = 1; x <= 5; x++) window.setCamera(moved(x));
+  await settle();
+  expect(stage.renders.slice(2)).toMatchObject([
+    { wait: false, Camera: { viewpoint: [1, 0, 4] } }, // not behind the picture at rest
+    { wait: true, Camera: { viewpoint: [2, 0, 4] } },
+  ]);
+  stage.pass(3);
+  await settle();
+  expect(stage.renders.length).toBe(5);
+  expect(stage.renders[4]).toMatchObject({ wait: true, Camera: { viewpoint: [5, 0, 4] } });
+  expect(window.status.whole).toBe(false);
+});
+
+it('a frame that was overtaken ends without a pass, and the one before it is still awaited', async () => {
+  await rest();
+  window.setCamera(moved(1));
+  window.setCamera(moved(2));
+  await settle();
+  stage.end(4, 'superseded'); // before anything of frame 3
+  window.setCamera(moved(3));
+  window.setCamera(moved(4));
+  await settle();
+  expect(stage.renders.length).toBe(5); // frames 3 and 5 are under way
+  stage.pass(3);
+  stage.pass(5);
+  await vi.advanceTimersByTimeAsync(0);
+  stage.pass(6);
+  await vi.advanceTimersByTimeAsync(250);
+  expect(stage.renders.at(-1)).toMatchObject({ passes: 16, Camera: { viewpoint: [4, 0, 4] } });
+});
+
+it('a hidden window asks for nothing and has the server stop; shown again it asks anew', async () => {
+  await rest();
+  window.setHidden(true);
+  window.setCamera(moved(1));
+  await vi.advanceTimersByTimeAsync(10_000);
+  expect(stage.renders.length).toBe(2);
+  expect(stage.requests).toContain('viewer.window 1 {"follow":false}');
+  expect(stage.requests).toContain('viewer.cancel_frame 1');
+  window.setHidden(false);
+  await settle();
+  expect(stage.requests).toContain('viewer.window 1 {"follow":true}');
+  expect(stage.renders.length).toBe(3);
+});
+
+it('what the server refuses is said, and asked for again after 1, 2, 4 seconds', async () => {
+  await rest();
+  stage.refusal = 'render: 64 renderings are in flight';
+  window.setCamera(moved(1));
+  await settle();
+  expect(window.status.text).toBe('error: render: 64 renderings are in flight');
+  const before = stage.renders.length;
+  await vi.advanceTimersByTimeAsync(3500);
+  expect(stage.renders.length - before).toBeGreaterThanOrEqual(2);
+  expect(stage.renders.length - before).toBeLessThanOrEqual(4);
+  stage.refusal = null;
+  await vi.advanceTimersByTimeAsync(16_000);
+  stage.pass(stage.renders.length);
+  expect(window.status.text).not.toContain('error');
+});
+
+it('a frame that fails is said with its reason', async () => {
+  await rest();
+  window.setCamera(moved(1));
+  await settle();
+  stage.end(3, 'failed', 'data: there is no array');
+  expect(window.status.text).toBe('error: data: there is no array');
+});
+
+it('on a new connection the window is made anew, and shown from the same camera', async () => {
+  await rest();
+  window.setCamera(moved(7));
+  stage.set({ kind: 'lost', reason: '', retryAt: 0 });
+  const before = stage.requests.length;
+  await vi.advanceTimersByTimeAsync(5000);
+  expect(stage.requests.length).toBe(before);
+  stage.renders = [];
+  stage.set({ kind: 'open', welcome: WELCOME });
+  await settle();
+  expect(stage.requests.slice(before, before + 2)).toEqual([
+    'viewer.window 1 {"size":[100,80],"follow":true}',
+    'viewer.set 1 {}',
+  ]);
+  expect(stage.renders).toMatchObject([{ Camera: { viewpoint: [7, 0, 4] } }]);
+});
