@@ -141,26 +141,30 @@ std::vector<KeyRow<StreamTracer>> StreamTracer::properties() {
             s.steps = f.integer({1, 2147483647});
           },
           [](const S& s) { return s.steps ? OrderedJson(*s.steps) : OrderedJson(); })
-          .byDefault("no limit"),
+          .byDefault("no limit")
+          .advanced(),
       wordKey(
           "direction", kDirections, "forward, backward or both", &S::direction,
           "Where lines go from their seeds. Behind the seed time is negative. `both` makes one line of each "
           "seed, whose points are in order of time."),
       numberKey("tolerance", &S::tolerance, kPositive,
-                "The error, in cells, that is added in 100 cells of way."),
+                "The error, in cells, that is added in 100 cells of way.")
+          .advanced(),
       flagKey("normalised", &S::normalised, "Whether time is the length of the line: field lines."),
       customKey<S>(
           "points", kPoints,
           "Which points of lines there are: where they cross the faces of cells, their ends only, or "
           "those at multiples of a time or of a length.",
-          readPointsMode, writePointsMode),
+          readPointsMode, writePointsMode)
+          .advanced(),
       numberKey("minimum speed", &S::minimumSpeed, kNonNegative, "Lines end where the field is smaller."),
       customKey<S>("where", "[lo, hi]", "Lines end where the value of the input `field` is in this range.",
                    readWhere,
                    [](const S& s) {
                      return s.where ? OrderedJson{s.where->min, s.where->max} : OrderedJson();
                    })
-          .byDefault("nowhere"),
+          .byDefault("nowhere")
+          .advanced(),
       wordKey(
           "color by", kColors, "speed, time, length or field", &S::colorBy,
           "The values of points: the field's magnitude, time or length from the seed, or the value of the "
@@ -171,7 +175,8 @@ std::vector<KeyRow<StreamTracer>> StreamTracer::properties() {
                    "the upper one, and in an unstructured volume of the first one.",
                    readLineFields,
                    [](const S& s) { return s.fields.empty() ? OrderedJson() : OrderedJson(s.fields); })
-          .byDefault("none"),
+          .byDefault("none")
+          .advanced(),
   };
 }
 

@@ -135,7 +135,8 @@ std::vector<KeyRow<Vis>> whatKeys() {
           .require(),
       customKey<Vis>("key", "-", "Not accepted: the earlier Galaxy's internal number of a dataset.",
                      rejectKey)
-          .byDefault("-"),
+          .byDefault("-")
+          .advanced(),
       textKey("array", &Vis::array,
               "Which field of the points gives the values, and the radii unless the dataset has a `radius "
               "array`. "
@@ -156,7 +157,8 @@ std::vector<KeyRow<Vis>> whatKeys() {
           readCells,
           [](V v) { return v.cells == CellsShown::Smooth ? OrderedJson(kSmoothCells) : OrderedJson(); })
           .only(kVolume)
-          .byDefault("`\"flat\"`"),
+          .byDefault("`\"flat\"`")
+          .advanced(),
   };
 }
 
@@ -177,7 +179,8 @@ std::vector<KeyRow<Vis>> mapKeys() {
           },
           [](V v) { return v.colormap.nan ? toJson(*v.colormap.nan) : OrderedJson(); })
           .only(kGeometry)
-          .byDefault("`NanColor` of a preset file, else the map's first colour"),
+          .byDefault("`NanColor` of a preset file, else the map's first colour")
+          .advanced(),
       customKey<Vis>(
           "opacitymap", "list of [value, opacity 0 to 1]",
           "Opacity by value, of a slab one `reference length` thick. Surfaces have `opacity`.",
@@ -190,7 +193,8 @@ std::vector<KeyRow<Vis>> mapKeys() {
                      [](V v) { return v.opacitymap.extinction ? toJson(v.opacitymap) : OrderedJson(); })
           .only(kVolume)
           .with("volume rendering", &Vis::volumeRendering)
-          .byDefault("-"),
+          .byDefault("-")
+          .advanced(),
       customKey<Vis>(
           "data range", "[min, max] or \"data\"",
           "Values onto which the ends of each map are stretched. \"data\": those of the data, of the first "
@@ -203,7 +207,8 @@ std::vector<KeyRow<Vis>> mapKeys() {
           [](V v) { return orAbsent(v.referenceLength); })
           .only(kVolume)
           .with("volume rendering", &Vis::volumeRendering)
-          .byDefault("smallest cell spacing"),
+          .byDefault("smallest cell spacing")
+          .advanced(),
   };
 }
 
@@ -213,7 +218,7 @@ std::vector<KeyRow<Vis>> surfaceKeys() {
           "opacity", "number 0 to 1", "Opacity of surfaces: isosurfaces, slices, geometry.",
           [](F f, Vis& v) { v.opacity = f.clampedToUnit(f.number()); },
           [](V v) { return OrderedJson(v.opacity); }),
-      flagKey("two sided", &Vis::twoSided, "Normals are turned to face the viewer."),
+      flagKey("two sided", &Vis::twoSided, "Normals are turned to face the viewer.").advanced(),
       customKey<Vis>(
           "clip planes", "list of [a, b, c, d]", "Only what has a\\*x + b\\*y + c\\*z >= d for all is shown.",
           [](F f, Vis& v) { v.clipPlanes = planes(f); }, [](V v) { return toJson(v.clipPlanes); })
@@ -232,7 +237,8 @@ std::vector<KeyRow<Vis>> surfaceKeys() {
       customKey<Vis>("plane", "[a, b, c, d]", "One slice more.",
                      [](F f, Vis& v) { v.slices.push_back(f.plane()); })
           .only(kVolume)
-          .byDefault("-"),
+          .byDefault("-")
+          .advanced(),
   };
 }
 
@@ -247,15 +253,21 @@ std::vector<KeyRow<Vis>> radiusKeys() {
           .byDefault("-"),
       numberKey("radius0", &Vis::radius0, kAny, "Radius at `value0`; <= 0 draws nothing.")
           .only(kRound)
-          .byDefault("0.025; PathLines: -1"),
+          .byDefault("0.025; PathLines: -1")
+          .advanced(),
       numberKey("radius1", &Vis::radius1, kAny, "Radius at `value1`; linear between, constant outside.")
           .only(kRound)
-          .byDefault("0; PathLines: 1"),
+          .byDefault("0; PathLines: 1")
+          .advanced(),
       numberKey("value0", &Vis::value0, kAny,
                 "See `radius0`. Where both values are equal, `radius0` is constant.")
           .only(kRound)
-          .byDefault("0"),
-      numberKey("value1", &Vis::value1, kAny, "See `radius1`.").only(kRound).byDefault("0; PathLines: 1"),
+          .byDefault("0")
+          .advanced(),
+      numberKey("value1", &Vis::value1, kAny, "See `radius1`.")
+          .only(kRound)
+          .byDefault("0; PathLines: 1")
+          .advanced(),
   };
 }
 

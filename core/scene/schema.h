@@ -29,6 +29,7 @@ struct KeyInfo {
   bool required = false;
   unsigned appliesTo = ~0u;  ///< bits 1 << VisType, for keys of operators
   std::string needs;         ///< a flag in an earlier row without which this key has no effect; empty: none
+  bool advanced = false;     ///< forms show it only when asked
 };
 
 /// One row: a key of the objects that describe a T.
@@ -54,6 +55,10 @@ struct KeyRow {
   KeyRow with(std::string other, bool T::*member) && {
     info.needs = std::move(other);
     flag = member;
+    return std::move(*this);
+  }
+  KeyRow advanced() && {
+    info.advanced = true;
     return std::move(*this);
   }
   KeyRow byDefault(std::string text) && {

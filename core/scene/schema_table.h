@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables of the reference in Markdown, made from a schema.
+// Tables of the reference, made from a schema: in Markdown for readers, in JSON for programs that make forms of them.
 #pragma once
 #include <cctype>
 #include <span>
@@ -49,6 +49,29 @@ std::string schemaTable(const Schema<T>& schema, TypeNames types) {
            detail::applicability(key.info, types) + " |\n";
   }
   return out;
+}
+
+/// Returns what schemaTable() says, as an object: `section` (the title), and `keys`, a list of objects with `key`, `aliases`, `type`,
+/// `default`, `required`, `advanced`, `help` and, where the key applies to some types only, `types` and, perhaps, `needs`.
+template <class T>
+OrderedJson schemaJson(const Schema<T>& schema, TypeNames types) {
+  OrderedJson keys = OrderedJson::array();
+  for (const KeyRow<T>& key : schema.keys) {
+    const KeyInfo& info = key.info;
+    OrderedJson& out = keys.emplace_back(OrderedJson{{"key", info.name},
+                                                     {"aliases", info.aliases},
+                                                     {"type", info.type},
+                                                     {"default", info.required ? "" : detail::defaultOf(key)},
+                                                     {"required", info.required},
+                                                     {"advanced", info.advanced},
+                                                     {"help", info.meaning}});
+    if (!info.needs.empty()) out["needs"] = info.needs;
+    if (info.appliesTo == ~0u) continue;
+    out["types"] = OrderedJson::array();
+    for (unsigned i = 0; i < types.size(); ++i)
+      if (info.appliesTo & (1u << i)) out["types"].push_back(types[i]);
+  }
+  return {{"section", schema.title}, {"keys", keys}};
 }
 
 }  // namespace gxy

@@ -54,4 +54,7 @@ std::string writeState(const State& state);
 /// Returns the tables of docs/state-file.md, in Markdown, made from the schema.
 std::string stateReference();
 
+/// Returns the same tables for programs: the text of a JSON list with an object for each (schemaJson()).
+std::string stateTables();
+
 }  // namespace gxy

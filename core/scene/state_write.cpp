@@ -44,11 +44,15 @@ void print(const OrderedJson& value, const std::string& indent, std::string& out
   out += (first ? "" : "\n" + indent) + (list ? "]" : "}");
 }
 
-template <class T>
-std::string table(const Schema<T>& schema) {
+std::array<const char*, kDatasetTypes> typeNames() {
   std::array<const char*, kDatasetTypes> types{};
   for (int i = 0; i < kDatasetTypes; ++i) types[size_t(i)] = nameOf(DatasetType(i));
-  return schemaTable(schema, types);
+  return types;
+}
+
+template <class T>
+std::string table(const Schema<T>& schema) {
+  return schemaTable(schema, typeNames());
 }
 
 }  // namespace
@@ -69,6 +73,14 @@ std::string writeState(const State& state) {
   std::string out;
   print(writeObject(state, stateSchema()), "", out);
   return out + "\n";
+}
+
+std::string stateTables() {
+  const auto json = [](const auto& schema) { return schemaJson(schema, typeNames()); };
+  return OrderedJson::array({json(datasetSchema()), json(filterEntrySchema()), json(rendererSchema()),
+                             json(visualizationSchema()), json(lightingSchema()), json(operatorSchema()),
+                             json(cameraSchema()), json(annotationsSchema()), json(outputSchema())})
+      .dump();
 }
 
 std::string stateReference() {

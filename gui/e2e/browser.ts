@@ -54,7 +54,7 @@ export class Browser {
 
 /** Chooses a state file of this machine in the page. */
 export async function openFile(page: Page, path: string): Promise<void> {
-  await orText(page, page.locator('input[type=file]').setInputFiles(path));
+  await orText(page, page.getByLabel('State file', { exact: true }).setInputFiles(path));
 }
 
 /** Rejects with all that the page says if something that was waited for does not come. */

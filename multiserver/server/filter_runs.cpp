@@ -150,6 +150,7 @@ json describedFilter(const FilterSchema& filter) {
                           {"type", key.type},
                           {"default", key.defaultText},
                           {"required", key.required},
+                          {"advanced", key.advanced},
                           {"help", key.meaning}});
   return {{"name", filter.name}, {"version", filter.version},
           {"help", filter.help}, {"makes", filter.makes ? json(filter.madeText()) : json()},

@@ -293,6 +293,17 @@ TEST(Graph, CheckTellsAllThatIsWrong) {
   const json types = c.say("graph.types");
   for (const json& type : types.at("filters")) hasSeeds = hasSeeds || type.at("name") == "Seeds";
   EXPECT_TRUE(hasSeeds);
+  std::map<std::string, json> keys;  // of operators
+  for (const json& section : types.at("sections"))
+    if (section.at("section") == "operator")
+      for (const json& key : section.at("keys")) keys[key.at("key")] = key;
+  EXPECT_EQ(keys.at("slices").at("types"), json({"Volume"}));
+  EXPECT_EQ(keys.at("opacity").at("type"), "number 0 to 1");
+  EXPECT_EQ(keys.at("opacity").at("default"), "`1.0`");
+  EXPECT_FALSE(keys.at("opacity").contains("types"));
+  EXPECT_EQ(keys.at("opacitymap").at("needs"), "volume rendering");
+  EXPECT_EQ(keys.at("dataset").at("required"), true);
+  EXPECT_EQ(keys.at("two sided").at("advanced"), true);
 }
 
 TEST(Graph, WatchersAreToldOfEditsAndStates) {

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: which part is at which place.
 import { useState } from 'react';
+import { showDataset } from '../canvas/actions';
+import { GraphArea } from '../canvas/graph_area';
+import { useGraphStore } from '../canvas/graph_store';
 import { DataPanel } from '../panels/data_panel';
+import { PanelArea } from '../panels/panel_area';
 import type { View } from '../view/view';
 import { ViewArea } from '../view/view_area';
 import { pressInView, viewData } from './commands';
@@ -15,6 +19,7 @@ import { Toolbar } from './toolbar';
 export function App() {
   const state = useConnectionState();
   const server = useServer();
+  const isGraphOpen = useGraphStore(({ session }) => session !== undefined);
   const [help, setHelp] = useState(false);
   if (state.kind === 'locked' && !state.before) return <ConnectPage problem={state.problem} />;
 
@@ -37,12 +42,17 @@ export function App() {
             />
           </>
         }
-        graph={<p className="empty">No graph is open.</p>}
+        graph={<GraphArea connection={server} />}
         properties={
-          <DataPanel
-            onView={(name) => {
-              void viewData(server, name);
-            }}
+          <PanelArea
+            liveData={
+              <DataPanel
+                onView={(name) => {
+                  void viewData(server, name);
+                }}
+                onAdd={isGraphOpen ? (name) => void showDataset(name) : undefined}
+              />
+            }
           />
         }
         views={<ViewArea onKey={onKey} />}

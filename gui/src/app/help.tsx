@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef } from 'react';
+import { CANVAS_KEYS } from '../canvas/keys';
 import { KEYS } from '../view/keys';
 
 const MOUSE = [
@@ -18,7 +19,7 @@ const PAGE = [
 ] as const;
 const SYMBOLS: Record<string, string> = { ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓' };
 
-/** What mouse and keys do in a view. */
+/** What mouse and keys do in a view, and in the graph. */
 export function Help({ onClose }: { onClose: () => void }) {
   const dialog = useRef<HTMLDialogElement>(null);
   useEffect(() => {
@@ -32,6 +33,15 @@ export function Help({ onClose }: { onClose: () => void }) {
       <h2>Mouse and keys in a view</h2>
       <dl>
         {[...MOUSE, ...keys, ...PAGE].map(([what, does]) => (
+          <div key={what}>
+            <dt>{what}</dt>
+            <dd>{does}</dd>
+          </div>
+        ))}
+      </dl>
+      <h2>Keys of the graph</h2>
+      <dl>
+        {CANVAS_KEYS.map(([what, does]) => (
           <div key={what}>
             <dt>{what}</dt>
             <dd>{does}</dd>

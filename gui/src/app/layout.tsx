@@ -16,7 +16,7 @@ export function Layout({ top, graph, properties, views, status }: LayoutProps) {
   return (
     <div className="layout">
       <header>{top}</header>
-      <Split direction="row" name="Width of the graph" initial={0.32}>
+      <Split direction="row" name="Width of the graph" initial={0.45}>
         <Split direction="column" name="Height of the graph" initial={0.6}>
           <section className="place" aria-label="Graph">
             {graph}

@@ -5,6 +5,9 @@ import { useServer } from '../app/server';
 import type { Connection } from '../wire/connection';
 import { numberOf, objectsOf, textOf } from '../wire/json';
 
+/** What a dataset is called while it is dragged. */
+export const DATASET = 'application/x-galaxy-dataset';
+
 export interface Dataset {
   name: string;
   type: string;

@@ -2,9 +2,15 @@
 // The list of data, from which views are opened.
 import { Foreign } from '../app/foreign';
 import { useNotices } from '../app/notices';
-import { useDatasets } from './data_list';
+import { DATASET, useDatasets } from './data_list';
 
-export function DataPanel({ onView }: { onView: (name: string) => void }) {
+interface DataPanelProps {
+  onView: (name: string) => void;
+  /** Adds a dataset to the graph that is open; without: none is. */
+  onAdd: ((name: string) => void) | undefined;
+}
+
+export function DataPanel({ onView, onAdd }: DataPanelProps) {
   const datasets = useDatasets(useNotices((notices) => notices.fail));
   if (datasets.length === 0) return <p className="empty">The server has no data yet.</p>;
   return (
@@ -23,7 +29,13 @@ export function DataPanel({ onView }: { onView: (name: string) => void }) {
       </thead>
       <tbody>
         {datasets.map(({ name, type, shared, generation }) => (
-          <tr key={`${shared ? 'shared' : 'private'} ${name}`}>
+          <tr
+            key={`${shared ? 'shared' : 'private'} ${name}`}
+            draggable={onAdd !== undefined}
+            onDragStart={(event) => {
+              event.dataTransfer.setData(DATASET, name);
+            }}
+          >
             <th scope="row">
               <Foreign text={name} />
               {shared && <span className="weak"> (shared)</span>}
@@ -37,7 +49,19 @@ export function DataPanel({ onView }: { onView: (name: string) => void }) {
                 }}
               >
                 View
-              </button>
+              </button>{' '}
+              {onAdd && (
+                <button
+                  type="button"
+                  aria-label={`Add ${name} to the graph`}
+                  title="Add it to the graph, with a look and to the view; or drag it onto the canvas"
+                  onClick={() => {
+                    onAdd(name);
+                  }}
+                >
+                  Add
+                </button>
+              )}
             </td>
             <td>{type}</td>
             <td className="number">{generation}</td>

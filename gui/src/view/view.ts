@@ -4,7 +4,7 @@ import type { Connection } from '../wire/connection';
 import type { JsonObject } from '../wire/json';
 import { textOf } from '../wire/json';
 import { statement } from '../wire/statement';
-import type { Camera, Size } from './camera';
+import { type Camera, cameraJson, type Size } from './camera';
 import { camerasOf, datasetsOf, raysPerPixelOf, shownPart, visualizationsOf, withCamera } from './document';
 import type { Pictures } from './pictures';
 import { RemoteWindow, type Shown, type WindowStatus } from './remote_window';
@@ -23,6 +23,7 @@ export interface ViewStatus extends WindowStatus {
 }
 
 const PASSES = 16;
+const REST = 700; // milliseconds without a motion
 const SPIN = 30; // degrees a second
 const NOTHING: WindowStatus = {
   ...{ text: '', whole: false, lossless: false, pass: 0, passes: PASSES, generations: {} },
@@ -36,11 +37,14 @@ export class View {
   private visualization = 0;
   private cameraIndex = 0;
   private centered = false; // the camera turns about the data, as far as that was to be done
+  private rest: ReturnType<typeof setTimeout> | undefined;
   private spin = 0; // the animation frame that is asked for
   private hidden = false;
   private shown: ViewStatus = { ...NOTHING, place: '', spinning: false };
   private readonly listeners = new Set<() => void>();
 
+  /** Called with the camera once it rests after a motion. */
+  onRest: (camera: JsonObject) => void = () => undefined;
   onNotice: (text: string) => void = () => undefined;
   /** The place of the mouse, in pixels of the canvas, y upwards; null as long as it has not been over the picture. */
   under: Place | null = null;
@@ -218,6 +222,14 @@ export class View {
     this.centered ||= window.box !== null;
     this.camera = change(from);
     window.setCamera(this.camera);
+    this.restSoon(this.camera);
+  }
+
+  private restSoon(camera: Camera): void {
+    clearTimeout(this.rest);
+    this.rest = setTimeout(() => {
+      this.onRest(cameraJson(camera));
+    }, REST);
   }
 
   private stopSpin(): void {

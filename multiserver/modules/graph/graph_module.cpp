@@ -4,6 +4,7 @@
 
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
+#include "core/scene/state_file.h"
 #include "multiserver/graph/document_edits.h"
 #include "multiserver/graph/graphs.h"
 
@@ -217,7 +218,9 @@ json check(Graphs& graphs, Request& request, Arguments arguments) {
 
 json types(Graphs&, Request& request, Arguments arguments) {
   arguments.expectEnd();
-  return described(request.session().serverRank().filters);
+  json result = described(request.session().serverRank().filters);
+  result["sections"] = json::parse(stateTables());
+  return result;
 }
 
 json drop(Graphs& graphs, Request& request, Arguments arguments) {

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the canvas, its menus and its keys do to the graph that is open.
+import {
+  type Position,
+  addNode,
+  bypass,
+  connect,
+  disconnectEdge,
+  insertInto,
+  moveNodes,
+  nameLook,
+  namesOf,
+  positionOf,
+  removeAll,
+  rename,
+} from '../graph/changes';
+import { type Edit, applied, find } from '../graph/edits';
+import { fragmentIn, fragmentOf, paste } from '../graph/fragment';
+import {
+  type Json,
+  type JsonObject,
+  isObject,
+  member,
+  objectsIn,
+  textOf,
+  withoutMember,
+} from '../graph/json';
+import {
+  type GraphEdge,
+  type GraphNode,
+  type NodeGraph,
+  type NodeInput,
+  edgeProblem,
+  idOf,
+  nodesOf,
+} from '../graph/nodes';
+import { messageOf } from '../graph/session';
+import { useViews } from '../view/views';
+import type { ServerConnection } from '../app/server_connection';
+import { statement } from '../wire/statement';
+import type { AddItem } from './add_items';
+import { firstLook } from './add_items';
+import { dataTypeOf, liveTypes, useGraphStore } from './graph_store';
+import { COLUMN } from './layout';
+
+const store = useGraphStore.getState;
+
+/** Edits that are made one after the other, each list of what the document is by then, and one step for undo. */
+export class Change {
+  readonly edits: Edit[] = [];
+  constructor(public document: JsonObject) {}
+
+  get graph(): NodeGraph {
+    return graphOf(this.document);
+  }
+  add(edits: readonly Edit[]): this {
+    if (edits.length > 0) this.document = applied(this.document, edits).document;
+    this.edits.push(...edits);
+    return this;
+  }
+}
+
+function graphOf(document: JsonObject): NodeGraph {
+  return nodesOf(document, store().catalogue, liveTypes(store().live));
+}
+
+function change(): Change | undefined {
+  const { session } = store();
+  return session?.snapshot.isLoaded ? new Change(session.snapshot.document) : undefined;
+}
+
+/** Sends a change, and selects the nodes that it made. */
+function make(change_: Change, selected?: readonly string[]): void {
+  const { session, select } = store();
+  if (session?.edit(change_.edits) && selected) select(selected);
+}
+
+/** Connects an output to an input, or says why that cannot be. */
+export function connectNodes(
+  sourceId: string,
+  targetId: string,
+  inputName: string,
+  without?: GraphEdge,
+): void {
+  const edit = change();
+  if (!edit) return;
+  if (without) edit.add(disconnectEdge(edit.graph, without));
+  const problem = addConnection(edit, sourceId, targetId, (i) => i.name === inputName);
+  if (problem !== '') store().say(problem);
+  else make(edit);
+}
+
+function addConnection(
+  edit: Change,
+  sourceId: string,
+  targetId: string,
+  which: (input: NodeInput) => boolean,
+): string {
+  const source = edit.graph.byId.get(sourceId);
+  if (!source) return 'The node is gone.';
+  const named = nameLook(edit.document, source);
+  edit.add(named.edits);
+  const { graph } = edit;
+  const target = graph.byId.get(targetId);
+  const from = graph.byId.get(named.node.id);
+  const input = target?.inputs.find(which);
+  if (!from || !target || !input) return 'The node is gone.';
+  const problem = edgeProblem(graph, from, target, input);
+  if (problem === '') edit.add(connect(from, target, input));
+  return problem;
+}
+
+export interface AddPlace {
+  readonly at: Position;
+  /** The new node takes this output, */
+  readonly source?: string;
+  /** or gives this input its data. */
+  readonly target?: { readonly id: string; readonly input: string };
+}
+
+/** Adds a node, connected as the place says, and selects it. Returns its id. */
+export function addItem(item: AddItem, place: AddPlace): string {
+  const edit = change();
+  if (!edit) return '';
+  const { id, edits } = addNode(edit.document, item.section, item.entry, place.at);
+  edit.add(edits);
+  const { source, target } = place;
+  const from = source === undefined ? undefined : edit.graph.byId.get(source);
+  if (from)
+    addConnection(
+      edit,
+      from.id,
+      id,
+      (i) => edgeProblem(edit.graph, from, edit.graph.byId.get(id) as GraphNode, i) === '',
+    );
+  if (target) {
+    const problem = addConnection(edit, id, target.id, (i) => i.name === target.input);
+    if (problem !== '') store().say(problem);
+  }
+  make(edit, [id]);
+  return id;
+}
+
+export function removeSelected(nodes: readonly string[], edges: readonly GraphEdge[]): void {
+  const edit = change();
+  if (!edit || nodes.length + edges.length === 0) return;
+  make(edit.add(removeAll(edit.document, edit.graph, nodes, edges)), []);
+}
+
+/** Gives a node another name. A window on a view that is renamed shows it under its new name. */
+export function renameNode(id: string, to: string): void {
+  const edit = change();
+  const node = edit?.graph.byId.get(id);
+  if (!edit || !node || to === '' || to === node.name) return;
+  try {
+    edit.add(rename(edit.document, node, to));
+  } catch (error) {
+    store().session?.setProblem(id, 'name', messageOf(error));
+    return;
+  }
+  const wasOpen = node.role === 'view' && closeView(node.name);
+  make(edit, [
+    idOf(
+      edit.edits.length > 0 && node.id.startsWith('Inline/') ? 'Operators' : (node.path[0] as 'Datasets'),
+      to,
+    ),
+  ]);
+  if (wasOpen) openView(to);
+}
+
+export function move(positions: ReadonlyMap<string, Position>, gesture = ''): void {
+  const edit = change();
+  if (edit && positions.size > 0)
+    store().session?.edit(moveNodes(edit.document, positions), gesture === '' ? {} : { gesture });
+}
+
+export function bypassNode(id: string): void {
+  const edit = change();
+  const node = edit?.graph.byId.get(id);
+  if (!edit || !node) return;
+  const edits = bypass(edit.graph, node);
+  if (edits.length === 0)
+    store().say(
+      `${node.name || 'This node'} cannot be bypassed: nothing uses it, or it has no input of its type.`,
+    );
+  else make(edit.add(edits));
+}
+
+/** Puts a node that is not connected into an edge on which it was dropped. */
+export function insertNode(id: string, edgeId: string, at: Position): boolean {
+  const edit = change();
+  if (!edit) return false;
+  const { graph } = edit;
+  const node = graph.byId.get(id);
+  const edge = graph.edges.find((e) => e.id === edgeId);
+  const source = edge && graph.byId.get(edge.source);
+  const end = edge && graph.byId.get(edge.target)?.inputs.find((i) => i.name === edge.input);
+  const isFree = !graph.edges.some((e) => e.source === id || e.target === id);
+  const input =
+    node && source && isFree
+      ? node.inputs.find((i) => edgeProblem(graph, source, node, i) === '')
+      : undefined;
+  if (!node || !edge || !end || !input || (node.gives !== undefined && !end.takes.includes(node.gives)))
+    return false;
+  make(edit.add(insertInto(graph, edge, node, input)).add(moveNodes(edit.document, new Map([[id, at]]))));
+  return true;
+}
+
+/** The state file of the selected nodes, as text; empty if none are. */
+export function copied(ids: readonly string[]): string {
+  const edit = change();
+  const nodes = ids.flatMap((id) => edit?.graph.byId.get(id) ?? []);
+  return edit && nodes.length > 0 ? `${JSON.stringify(fragmentOf(edit.document, nodes), null, 2)}\n` : '';
+}
+
+/** Adds the nodes of a state file's text. Returns false if it is none. */
+export function pasted(text: string, offset: Position = [40, 40]): boolean {
+  const fragment = fragmentIn(text);
+  const edit = change();
+  if (!fragment || !edit) return false;
+  const { edits, ids } = paste(edit.document, fragment, offset);
+  make(edit.add(edits), ids);
+  return true;
+}
+
+const titleFor = (graph: string, view: string): string => `${graph} / ${view}`;
+
+/** Shows a view of the graph that is open in the view area. */
+export function openView(name: string): void {
+  const { session, connection, say } = store();
+  if (!session || !connection) return;
+  const title = titleFor(session.name, name);
+  const { views, add, activate } = useViews.getState();
+  const known = views.find((view) => view.title === title);
+  if (known) {
+    activate(known.id);
+    return;
+  }
+  // The page's connection brings pixels, too.
+  const view = add(title, { kind: 'graph', graph: session.name, view: name }, connection as ServerConnection);
+  view.onNotice = say;
+  view.onError = (error) => say(messageOf(error));
+  // The view's camera is what its user sees. Undo leaves it: whoever turns the picture back turns it.
+  view.onRest = (camera) => {
+    if (session.snapshot.isLoaded && find(session.snapshot.document, ['Visualizations', name]))
+      session.edit([{ set: ['Visualizations', name, 'camera'], to: camera as JsonObject }], {
+        history: 'none',
+      });
+  };
+}
+
+export function closeView(name: string): boolean {
+  const graph = store().session?.name ?? '';
+  const { views, close } = useViews.getState();
+  const known = views.find((view) => view.title === titleFor(graph, name));
+  if (known) close(known.id);
+  return known !== undefined;
+}
+
+/** Adds a dataset of the server with a look that suits it, and shows both in a view: the selected one, the first, or a new one. */
+export async function showDataset(name: string, at?: Position): Promise<void> {
+  const { connection, say } = store();
+  if (!connection) return;
+  try {
+    const reply = (await connection.request(statement('viewer.scene', [name]))) as Json;
+    const edit = change();
+    if (edit) addScene(edit, name, member(reply, 'state') ?? {}, at ?? below(edit));
+  } catch (error) {
+    say(messageOf(error));
+  }
+}
+
+/** A place below all nodes. */
+function below({ document, graph }: Change): Position {
+  const bottoms = graph.nodes.map((node) => (positionOf(document, node.id)?.[1] ?? 0) + 160);
+  return [0, Math.max(0, ...bottoms)];
+}
+
+function addScene(edit: Change, name: string, scene: Json, [x, y]: Position): void {
+  const type = objectsIn(member(scene, 'Datasets')).find((d) => textOf(d, 'name') === name);
+  const known = store().live.find((d) => d.name === name);
+  const entry: JsonObject = { name, type: known?.type ?? dataTypeOf(textOf(type, 'type')) ?? 'Volume' };
+  const dataset = idOf('Datasets', name);
+  const isThere = edit.graph.byId.has(dataset);
+  if (!isThere) edit.add(addNode(edit.document, 'Datasets', entry, [x, y]).edits);
+  const visualization = member(scene, 'Visualization') ?? objectsIn(member(scene, 'Visualizations'))[0] ?? {};
+  const proposed = objectsIn(member(visualization, 'operators')).find((o) => textOf(o, 'dataset') === name);
+  const look: JsonObject = {
+    ...(proposed ?? firstLook(textOf(entry, 'type'))),
+    dataset: name,
+    name: `${name} look`,
+  };
+  const added = addNode(edit.document, 'Operators', look, [x + COLUMN, y]);
+  edit.add(added.edits);
+  const views = edit.graph.nodes.filter((n) => n.role === 'view');
+  const view = views.find((v) => store().selection.includes(v.id)) ?? views[0];
+  const lookName = added.id.slice('Operators/'.length);
+  if (view) edit.add([{ add: [...view.path, 'operators'], to: lookName }]);
+  else {
+    const camera = member(scene, 'Camera') ?? objectsIn(member(scene, 'Cameras'))[0] ?? { fit: true };
+    const base = isObject(visualization) ? withoutMember(visualization, 'operators') : {};
+    const made = { ...base, name: 'view', operators: [lookName], camera };
+    edit.add(addNode(edit.document, 'Visualizations', made, [x + 2 * COLUMN, y]).edits);
+  }
+  make(edit, [added.id]);
+  openView(view?.name ?? (namesOf(edit.document, 'Visualizations')[0] as string));
+}

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// A node of the canvas: its name, its ports, and a footer with its state.
+import { Handle, type Node, type NodeProps, Position } from '@xyflow/react';
+import { memo } from 'react';
+import type { Problem } from '../graph/session';
+import type { GraphNode, NodeInput } from '../graph/nodes';
+import { type NodeState, factsText } from '../graph/states';
+import { useGraphStore } from './graph_store';
+import { Foreign } from '../app/foreign';
+import { kindOf, titleOf } from './titles';
+
+export interface CardData extends Record<string, unknown> {
+  readonly node: GraphNode;
+  readonly state: NodeState | undefined;
+  readonly problems: readonly Problem[];
+}
+export type CardNode = Node<CardData, 'card'>;
+
+export const INPUT = 'in:';
+export const OUTPUT = 'out';
+
+function inputLabel(node: GraphNode, input: NodeInput): string {
+  const names = input.sources.map((s) => s.name || 'a look').join(', ');
+  const connected = names === '' ? 'not connected' : `connected to ${names}`;
+  return `Input ${input.name || 'new input'} of ${titleOf(node)}, takes ${input.takesText}, ${connected}`;
+}
+
+function InputRow({ node, input }: { node: GraphNode; input: NodeInput }) {
+  const missing = input.sources.filter((s) => s.node === undefined && s.name !== '').map((s) => s.name);
+  const type = input.takes.length === 1 ? input.takes[0] : 'any';
+  const isNeeded = !input.isOptional && input.sources.length === 0 && !input.isAnyName;
+  return (
+    <div className="port-row">
+      <Handle
+        type="target"
+        position={Position.Left}
+        id={INPUT + input.name}
+        className={`port port-${type}`}
+        aria-hidden
+      />
+      <button
+        type="button"
+        className={`port-name nodrag${isNeeded ? ' needed' : ''}`}
+        data-port={INPUT + input.name}
+        aria-label={inputLabel(node, input)}
+      >
+        {input.name === '' ? '+ input' : <Foreign text={input.name} />}
+        {missing.length > 0 && (
+          <span className="missing">
+            {' '}
+            <Foreign text={missing.join(', ')} /> is not there
+          </span>
+        )}
+      </button>
+    </div>
+  );
+}
+
+function Progress({ node, state }: { node: GraphNode; state: NodeState }) {
+  const session = useGraphStore((s) => s.session);
+  return (
+    <div className="progress">
+      <progress
+        max={state.of || 1}
+        {...(state.of > 0 ? { value: state.done } : {})}
+        aria-label={`Progress of ${titleOf(node)}`}
+      />
+      <button
+        type="button"
+        className="nodrag"
+        aria-label={`Cancel ${titleOf(node)}`}
+        title="Cancel"
+        onClick={() => session?.cancel(node.name)}
+      >
+        ×
+      </button>
+    </div>
+  );
+}
+
+function Footer({ node, state, problems }: CardData) {
+  const own = problems.find((p) => p.text !== '');
+  const error = own?.text ?? (state?.kind === 'failed' ? state.text : '');
+  const isQuiet = state?.kind === 'done';
+  return (
+    <>
+      {state && (
+        <div className={`node-state state-${state.kind}`}>
+          <span className="state-name">{state.kind}</span>
+          {state.kind === 'blocked' && state.by !== '' && state.by !== node.name && (
+            <span>
+              {' by '}
+              <Foreign text={state.by} />
+            </span>
+          )}
+          <span className="facts">{factsText(state)}</span>
+        </div>
+      )}
+      {state?.kind === 'running' && <Progress node={node} state={state} />}
+      {error !== '' && (
+        <p className="node-error">
+          <Foreign text={error} />
+          {state?.rank !== undefined && own === undefined && ` (rank ${state.rank})`}
+        </p>
+      )}
+      {error === '' && !isQuiet && state && state.text !== '' && (
+        <p className="node-text">
+          <Foreign text={state.text} />
+        </p>
+      )}
+    </>
+  );
+}
+
+export const NodeCard = memo(function NodeCard({ data, selected }: NodeProps<CardNode>) {
+  const { node, state, problems } = data;
+  const classes = ['card', `card-${node.role}`, selected ? 'selected' : '', node.isKnown ? '' : 'unknown'];
+  const type = node.gives ?? 'any';
+  return (
+    <div className={classes.join(' ')}>
+      <div className="card-head">
+        <span className="card-title">
+          <Foreign text={titleOf(node)} />
+        </span>
+        <span className="card-kind">
+          <Foreign text={node.isKnown ? kindOf(node) : `${kindOf(node)} (unknown here)`} />
+        </span>
+        {node.hasOutput && (
+          <>
+            <button
+              type="button"
+              className="port-out nodrag"
+              data-port={OUTPUT}
+              aria-label={`Output of ${titleOf(node)}, gives ${node.gives ?? 'data'}`}
+            >
+              {node.gives ?? ''}
+            </button>
+            <Handle
+              type="source"
+              position={Position.Right}
+              id={OUTPUT}
+              className={`port port-${type}`}
+              aria-hidden
+            />
+          </>
+        )}
+      </div>
+      {node.inputs.map((input) => (
+        <InputRow key={input.name} node={node} input={input} />
+      ))}
+      <Footer node={node} state={state} problems={problems} />
+    </div>
+  );
+});

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// A document that several clients edit. The server orders all edits; this client's own are shown at once, on top of what the server has
+// ordered so far, and again on top of what it orders before them.
+import { type Edit, applied } from './edits';
+import { type JsonObject, equal } from './json';
+import { UndoStacks, clamped, named } from './undo';
+
+export interface OwnEdit {
+  readonly edits: readonly Edit[];
+  /** More follow soon, as of a slider that is being dragged. Of such edits of a gesture that wait, only the newest is sent. */
+  readonly live?: boolean;
+  /** Edits of one gesture are undone together. */
+  readonly gesture?: string;
+  /** `none`: undo leaves it, as the camera of a view. */
+  readonly history?: 'edit' | 'undo' | 'redo' | 'none';
+}
+
+/** An edit as the server tells it to all who watch the graph. */
+export interface OrderedEdit {
+  readonly revision: number;
+  readonly edits: readonly Edit[];
+  readonly isOwn: boolean;
+}
+
+interface Pending {
+  readonly own: OwnEdit;
+  revision?: number; // once the server has said it
+}
+
+export class SharedDocument {
+  readonly history = new UndoStacks();
+  private base: JsonObject = {}; // what the server has ordered, as far as it is known here
+  private baseRevision = 0;
+  private pending: Pending[] = []; // own edits that `base` does not have, oldest first
+  private sent: Pending | undefined; // the one that the server has not replied to
+  private shownDocument: JsonObject = {};
+
+  /** The document as the user sees it: the server's, with one's own edits that it has not ordered yet. */
+  get shown(): JsonObject {
+    return this.shownDocument;
+  }
+  get revision(): number {
+    return this.baseRevision;
+  }
+  /** How many own edits the server has not ordered yet. */
+  get waiting(): number {
+    return this.pending.length;
+  }
+
+  /** Begins with the server's document, or goes on with a newer one after events were lost. Own edits that it lacks stay on top. */
+  reset(document: JsonObject, revision: number): void {
+    if (this.sent && revision === this.baseRevision + 1) {
+      // The connection may have been lost between an edit and its reply.
+      const guess = tryApplied(this.base, this.sent.own.edits);
+      if (guess && equal(guess, document)) this.drop(this.sent);
+    }
+    this.base = document;
+    this.baseRevision = revision;
+    this.pending = this.pending.filter((p) => p.revision === undefined || p.revision > revision);
+    this.history.clear();
+    this.show();
+  }
+
+  /** Adds an own edit. Throws EditError, and adds nothing, if it cannot be applied to what is shown. */
+  add(own: OwnEdit): void {
+    const entry: Pending = { own: { ...own, edits: named(this.shownDocument, own.edits) } };
+    const last = this.pending[this.pending.length - 1];
+    const replaces =
+      last && last !== this.sent && last.revision === undefined && isReplacedBy(last.own, entry.own);
+    const shown = applied(this.shownDocument, entry.own.edits).document;
+    if (replaces) this.pending.pop();
+    this.pending.push(entry);
+    this.shownDocument = shown;
+  }
+
+  /** The next edit to be sent, which then counts as sent; undefined if there is none, or while one is on its way. */
+  next(): OwnEdit | undefined {
+    if (this.sent) return undefined;
+    this.sent = this.pending.find((p) => p.revision === undefined);
+    return this.sent?.own;
+  }
+
+  /** The server has replied to the edit that was sent. Its event may have come already, or comes later. */
+  accepted(revision: number): void {
+    if (!this.sent) return;
+    this.sent.revision = revision;
+    if (revision <= this.baseRevision) this.drop(this.sent);
+    this.sent = undefined;
+    this.show();
+  }
+
+  /** The server has refused the edit that was sent, or the connection was lost: then it is to be sent `again`. */
+  refused(again = false): void {
+    if (this.sent && !again) this.drop(this.sent);
+    this.sent = undefined;
+    this.show();
+  }
+
+  /** The server has ordered an edit. Returns false if others before it are missing here: then the document has to be read again. */
+  ordered(edit: OrderedEdit): boolean {
+    if (edit.revision <= this.baseRevision) return true;
+    if (edit.revision !== this.baseRevision + 1) return false;
+    const before = this.base;
+    const edited = applied(before, edit.edits);
+    this.base = edited.document;
+    this.baseRevision = edit.revision;
+    const entry = edit.isOwn
+      ? (this.pending.find((p) => p.revision === edit.revision) ?? this.sent)
+      : undefined;
+    const kind = entry?.own.history ?? 'edit';
+    if (entry) this.drop(entry);
+    if (entry && kind !== 'none') this.history.push(edited.inverse, edited.document, kind, entry.own.gesture);
+    else this.history.others(edit.edits, before);
+    this.show();
+    return true;
+  }
+
+  /** The edits of the newest own step, as they can be applied now; undefined if there is none, or it cannot be undone any more. */
+  step(kind: 'undo' | 'redo'): readonly Edit[] | undefined {
+    const edits = this.history.pop(kind);
+    try {
+      return edits && clamped(this.shownDocument, edits);
+    } catch {
+      return undefined;
+    }
+  }
+
+  private drop(entry: Pending): void {
+    this.pending = this.pending.filter((p) => p !== entry);
+  }
+
+  // An own edit that cannot be applied any more, after what the server has ordered before it, is left out: the server will refuse it.
+  private show(): void {
+    this.shownDocument = this.pending.reduce((d, p) => tryApplied(d, p.own.edits) ?? d, this.base);
+  }
+}
+
+function tryApplied(document: JsonObject, edits: readonly Edit[]): JsonObject | undefined {
+  try {
+    return applied(document, edits).document;
+  } catch {
+    return undefined;
+  }
+}
+
+/** Whether a live edit that waits need not be sent, since the newer one sets the same. */
+function isReplacedBy(older: OwnEdit, newer: OwnEdit): boolean {
+  const paths = (edits: readonly Edit[]): string =>
+    JSON.stringify(edits.map((e) => ('set' in e ? e.set : e)));
+  return (
+    older.live === true &&
+    older.gesture !== undefined &&
+    older.gesture === newer.gesture &&
+    paths(older.edits) === paths(newer.edits)
+  );
+}

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// What lies below the graph: live data, the form of the selected node, its data, and the log.
+import { type KeyboardEvent, type ReactNode, useState } from 'react';
+import { useGraphStore } from '../canvas/graph_store';
+import { DataTab } from './data_tab';
+import { LogPanel } from './log_panel';
+import './panels.css';
+import { NodeForm, useSelectedNode } from './properties';
+
+const TABS = ['Live data', 'Properties', 'Data', 'Log'] as const;
+type Tab = (typeof TABS)[number];
+
+export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
+  const [tab, setTab] = useState<Tab>('Live data');
+  const node = useSelectedNode();
+  const count = useGraphStore((s) => s.selection.length);
+  const id = node?.id;
+  const [followed, setFollowed] = useState<string>();
+  if (id !== followed) {
+    setFollowed(id);
+    if (id !== undefined && tab === 'Live data') setTab('Properties');
+  }
+
+  function key(event: KeyboardEvent): void {
+    const by = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
+    const next = TABS[(TABS.indexOf(tab) + by + TABS.length) % TABS.length];
+    if (by === 0 || !next) return;
+    setTab(next);
+    document.getElementById(`tab ${next}`)?.focus();
+  }
+  const none = <p className="empty">{count > 1 ? `${count} nodes are selected.` : 'No node is selected.'}</p>;
+  return (
+    <div className="panel-area">
+      <div className="tabs" role="tablist" aria-label="Panels">
+        {TABS.map((name) => (
+          <div key={name} className={name === tab ? 'tab tab-active' : 'tab'} role="presentation">
+            <button
+              type="button"
+              role="tab"
+              className="plain"
+              id={`tab ${name}`}
+              aria-selected={name === tab}
+              aria-controls="panel"
+              tabIndex={name === tab ? 0 : -1}
+              onClick={() => setTab(name)}
+              onKeyDown={key}
+            >
+              {name}
+            </button>
+          </div>
+        ))}
+      </div>
+      <div id="panel" role="tabpanel" aria-label={tab} className="panel" tabIndex={0}>
+        {tab === 'Live data' && liveData}
+        {tab === 'Properties' && (node ? <NodeForm node={node} /> : none)}
+        {tab === 'Data' && (node ? <DataTab node={node} /> : none)}
+        {tab === 'Log' && <LogPanel />}
+      </div>
+    </div>
+  );
+}
