@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes the page's files, as CMake does:
 //
-//     node scripts/build.mjs FOLDER
+//     node scripts/build.mjs FOLDER [--if-possible]
 //
 // Installs the packages of package-lock.json into node_modules unless they are there, checks and bundles the sources, and leaves in
 // FOLDER: index.html, assets/, LICENSES.txt of all packages of which something is in the bundle, and FILE.gz beside each text file.
+// With --if-possible it says so and leaves nothing where npm cannot get the packages.
 import { execFileSync } from 'node:child_process';
 import { existsSync, readdirSync, readFileSync, renameSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
@@ -14,6 +15,7 @@ import { licenses } from './licenses.mjs';
 
 const root = join(dirname(fileURLToPath(import.meta.url)), '..');
 const folder = resolve(process.argv[2] ?? 'dist');
+const ifPossible = process.argv.includes('--if-possible');
 const making = `${folder}.making`;
 
 const run = (program, ...words) => execFileSync(program, words, { cwd: root, stdio: 'inherit' });
@@ -41,7 +43,9 @@ function install() {
     process.stderr.write(
       'npm cannot get the packages. cmake -DGALAXY_GUI=OFF builds Galaxy without its browser GUI.\n',
     );
-    throw error;
+    if (!ifPossible) throw error;
+    rmSync(join(root, 'node_modules'), { recursive: true, force: true });
+    process.exit(0);
   }
 }
 
