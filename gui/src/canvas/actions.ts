@@ -239,7 +239,6 @@ export function openView(name: string): void {
   // The page's connection brings pixels, too.
   const view = add(title, { kind: 'graph', graph: session.name, view: name }, connection as ServerConnection);
   view.onNotice = say;
-  view.onError = (error) => say(messageOf(error));
   // The view's camera is what its user sees. Undo leaves it: whoever turns the picture back turns it.
   view.onRest = (camera) => {
     if (session.snapshot.isLoaded && find(session.snapshot.document, ['Visualizations', name]))
