@@ -5,9 +5,18 @@
 //
 // Installs the packages of package-lock.json into node_modules unless they are there, checks and bundles the sources, and leaves in
 // FOLDER: index.html, assets/, LICENSES.txt of all packages of which something is in the bundle, and FILE.gz beside each text file.
-// With --if-possible it says so and leaves nothing where npm cannot get the packages.
+// With --if-possible it says so where npm cannot get the packages, and takes a ready dist/ if there is one.
 import { execFileSync } from 'node:child_process';
-import { existsSync, readdirSync, readFileSync, renameSync, rmSync, statSync, writeFileSync } from 'node:fs';
+import {
+  cpSync,
+  existsSync,
+  readdirSync,
+  readFileSync,
+  renameSync,
+  rmSync,
+  statSync,
+  writeFileSync,
+} from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
@@ -45,6 +54,8 @@ function install() {
     );
     if (!ifPossible) throw error;
     rmSync(join(root, 'node_modules'), { recursive: true, force: true });
+    const ready = join(root, 'dist');
+    if (existsSync(join(ready, 'index.html'))) cpSync(ready, folder, { recursive: true });
     process.exit(0);
   }
 }

@@ -164,6 +164,12 @@ class Server::Impl {
 
   std::shared_ptr<Session> admit(const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox,
                                  protocol::Welcome& welcome) {
+    const auto sessions =
+        size_t(std::count_if(connections_.begin(), connections_.end(),
+                             [](const ConnectionPtr& c) { return c->session() != nullptr; }));
+    if (sessions >= options_.connection.limits.clients)  // before a ticket is used up
+      throw Error(std::to_string(options_.connection.limits.clients) +
+                  " clients are connected, no more are allowed");
     const std::string token = tokenOf(hello);
     const auto identity = serverRank_.tenants.identify(token, hello.tenant);
     if (!identity) {
@@ -171,15 +177,10 @@ class Server::Impl {
       throw Error(
           "the token is wrong; a client finds it by itself on the server's machine, or takes --token-file");
     }
-    size_t sessions = 0, ofTenant = 0;
-    for (const ConnectionPtr& c : connections_) {
-      if (!c->session()) continue;
-      sessions++;
-      ofTenant += c->session()->tenant() == identity->tenant;
-    }
-    if (sessions >= options_.connection.limits.clients)
-      throw Error(std::to_string(options_.connection.limits.clients) +
-                  " clients are connected, no more are allowed");
+    const auto ofTenant =
+        size_t(std::count_if(connections_.begin(), connections_.end(), [&](const ConnectionPtr& c) {
+          return c->session() && c->session()->tenant() == identity->tenant;
+        }));
     if (ofTenant >= options_.tenantClients)
       throw Error("tenant " + identity->tenant + ": " + std::to_string(options_.tenantClients) +
                   " clients are connected, no more are allowed");

@@ -62,7 +62,8 @@ std::optional<json> Histograms::find(const Of& of) const {
 void Histograms::keep(const Of& of, json histogram) {
   const std::lock_guard lock(mutex_);
   kept_.emplace_back(of, std::move(histogram));
-  if (kept_.size() > kMost) kept_.pop_front();
+  bins_ += of.bins;
+  for (; bins_ > kMostBins; kept_.pop_front()) bins_ -= kept_.front().first.bins;
 }
 
 json histogram(Histograms& histograms, Request& request, protocol::Arguments arguments) {

@@ -14,7 +14,7 @@ namespace gxy {
 /// The last histograms that were made. An object's key is never used again, so what is kept is never wrong. Thread safe.
 class Histograms {
  public:
-  static constexpr size_t kMost = 256;
+  static constexpr int64_t kMostBins = 65536;  ///< of all that are kept
 
   /// What a histogram is of.
   struct Of {
@@ -30,6 +30,7 @@ class Histograms {
  private:
   mutable std::mutex mutex_;
   std::deque<std::pair<Of, nlohmann::json>> kept_;  ///< the newest last
+  int64_t bins_ = 0;                                ///< of all that are kept
 };
 
 /// Verb `histogram`, on rank 0. Evaluates Statistics on all ranks unless the histogram is kept.

@@ -196,9 +196,9 @@ class Window:
                               picture.end.get("error", picture.end["status"]))
         return picture
 
-    def close(self) -> None:
-        self._client.request(f"viewer.close {self.number}")
+    def close(self, timeout: Optional[float] = 10) -> None:
         self._client._windows.pop(self.number, None)
+        self._client.request(f"viewer.close {self.number}", timeout)
 
     def _take(self, record):
         (kind, _, frame, width, height, scale, _, x, y, w, h, encoding, _, _, size) = _RECORD.unpack_from(record)
@@ -386,12 +386,13 @@ class Client:
         reply = self._result(f"data.fetch {json.dumps(name)}", arrays.take, timeout)
         return reply | arrays.of(reply)
 
-    def window(self, number: int, **settings: Any) -> Window:
-        """Makes window `number`, or changes it: size=(width, height), follow=True. Loads module viewer."""
-        self.request("load viewer")
+    def window(self, number: int, timeout: Optional[float] = None, **settings: Any) -> Window:
+        """Makes window `number`, or changes it: size=(width, height), follow=True. Loads module viewer. Each of the two answers may take
+        `timeout` seconds."""
+        self.request("load viewer", timeout)
         with self._lock:
             window = self._windows.setdefault(number, Window(self, number))
-        self.request(f"viewer.window {number} {json.dumps(settings)}")
+        self.request(f"viewer.window {number} {json.dumps(settings)}", timeout)
         return window
 
     def _result(self, statement, on_file, timeout):

@@ -72,7 +72,8 @@ class Session:
         self.close()
 
     def close(self) -> None:
-        """Ends the connection and all threads of the session. The server keeps data and graphs. It may be called again."""
+        """Ends the connection and the threads of the session; it waits for them up to 10 s, as put() may still be sending. The server keeps
+        data and graphs. It may be called again."""
         self.client.close()
         with self._lock:
             caller, self._caller = self._caller, None
@@ -80,7 +81,7 @@ class Session:
             self._events.put(None)
             if caller is not threading.current_thread():
                 caller.join()
-        self._threads.join()
+        self._threads.join(Deadline(10))
 
     # Requests
 

@@ -163,7 +163,7 @@ class View(Node):
     def _window(self, shown: _Shown, size: Optional[tuple[int, int]], turned: bool, deadline: Deadline) -> Window:
         """The window, in this size. A window keeps the camera that it was turned to, and ranges that earlier data had, so one for another
         document may be a new one."""
-        told = self.session.ask("graph.get", self.graph.name)
+        told = self.session.ask("graph.get", self.graph.name, timeout=deadline.left())
         document, revision = told["document"], told["revision"]
         entry = self._entry_of(document)
         width, height = size or _size(document, entry)
@@ -172,7 +172,7 @@ class View(Node):
         if shown.is_gone or is_older or (shown.turned and not turned):
             self._close(shown)
         if shown.window is None:
-            shown.window = self.session.client.window(self._free_number(), size=size)
+            shown.window = self.session.client.window(self._free_number(), deadline.left(), size=size)
             try:
                 self.session.ask("viewer.show", shown.window.number, value={"graph": self.graph.name, "view": self.name},
                                  timeout=deadline.left())
@@ -180,7 +180,7 @@ class View(Node):
                 self._close(shown)
                 raise
         elif size != shown.size:
-            self.session.ask("viewer.window", shown.window.number, value={"size": size})
+            self.session.ask("viewer.window", shown.window.number, value={"size": size}, timeout=deadline.left())
         shown.size, shown.turned, shown.revision = size, turned, revision
         return shown.window
 

@@ -76,12 +76,12 @@ class Threads:
             thread.start()
         return future
 
-    def join(self) -> None:
-        """Waits for all of them but the calling one."""
+    def join(self, deadline: Deadline) -> None:
+        """Waits for all of them but the calling one, or until the deadline."""
         with self._lock:
             running = [thread for thread in self._running if thread is not threading.current_thread()]
         for thread in running:
-            thread.join()
+            thread.join(deadline.left())
 
 
 def twin(method: Callable[..., _T]) -> Callable[..., Future[_T]]:
