@@ -94,9 +94,9 @@ class SamplingRanks {
     for (size_t i = 0; i < c.shown.size(); i++) {
       const auto found = geometry.find(i);
       if (found == geometry.end())
-        s.scene.data.push_back({{parts[c.shown[i]][size_t(rank)], nullptr, nullptr}, {}});
+        s.scene.data.push_back({{.volume = parts[c.shown[i]][size_t(rank)]}, {}});
       else
-        s.scene.data.push_back({{nullptr, nullptr, found->second[size_t(rank)]}, {}});
+        s.scene.data.push_back({{.geometry = found->second[size_t(rank)]}, {}});
     }
     for (const auto& [v, component] : c.fields) s.fields.push_back({parts[v][size_t(rank)], component});
     s.recorded = c.recorded;

@@ -128,11 +128,14 @@ TEST(Handshake, SurvivesItsWayOverTheWire) {
   EXPECT_EQ(hello.token, "secret");
   EXPECT_EQ(hello.client, "a \"client\"");
   EXPECT_EQ(hello.tenant, "ann");
-  Welcome sent{"gxyserver", "ann", 7, true, 4, {}};
+  Welcome sent{"gxyserver", "ann", 7, true, true, 4, {}};
   sent.limits.pixels = 123456789012;
+  sent.token = "the one of a ticket";
   const Welcome got = parseWelcome(welcomeText(sent));
+  EXPECT_EQ(got.token, sent.token);
   EXPECT_EQ(got.session, 7u);
   EXPECT_TRUE(got.administrator);
+  EXPECT_TRUE(got.viewOnly);
   EXPECT_EQ(got.ranks, 4);
   EXPECT_EQ(got.limits.pixels, 123456789012u);
   for (const char* wrong :
