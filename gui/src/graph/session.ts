@@ -52,6 +52,7 @@ export class GraphSession {
   private clients: readonly string[] = [];
   private problems: readonly Problem[] = [];
   private log: readonly LogLine[] = [];
+  private steps: ('undo' | 'redo')[] = []; // asked for while own edits waited, oldest first
   private held: JsonObject[] | undefined = []; // events that came before the document
   private isPaused = false;
   private ranAt = 0; // the revision of the last run of a paused graph
@@ -109,6 +110,7 @@ export class GraphSession {
   /** Edits the document: shown at once, and sent. Returns false, with a problem, if it cannot be applied. */
   edit(edits: readonly Edit[], options: Omit<OwnEdit, 'edits'> = {}): boolean {
     if (edits.length === 0) return true;
+    if (options.history === undefined) this.forgetSteps();
     try {
       this.shared.add({ ...options, edits });
     } catch (error) {
@@ -204,6 +206,7 @@ export class GraphSession {
     for (const event of events) this.take(event);
     this.changed();
     this.send();
+    this.takeSteps();
   }
 
   private take(event: JsonObject): void {
@@ -224,6 +227,7 @@ export class GraphSession {
     if (!isOwn)
       this.note(`${textOf(by, 'client')} edited the graph (revision ${numberOf(event, 'revision')}).`);
     this.changed();
+    this.takeSteps();
   }
 
   private takeState(event: JsonObject): void {
@@ -255,11 +259,15 @@ export class GraphSession {
         for (const warning of (reply['warnings'] ?? []) as string[]) this.note(warning);
         this.changed();
         this.send();
+        this.takeSteps();
       },
       (error: unknown) => {
         const isLost = this.connection.state.kind !== 'open';
         this.shared.refused(isLost);
-        if (!isLost) this.refuse(own.edits, messageOf(error));
+        if (!isLost) {
+          this.refuse(own.edits, messageOf(error));
+          this.forgetSteps(); // They were meant to take back or follow what has not happened.
+        }
         this.changed();
         this.send();
       },
@@ -267,6 +275,24 @@ export class GraphSession {
   }
 
   private step(kind: 'undo' | 'redo'): void {
+    this.steps.push(kind);
+    this.takeSteps();
+  }
+
+  /** Undoes and redoes what was asked for, each when the server has ordered all own edits before it. */
+  private takeSteps(): void {
+    while (this.steps.length > 0 && this.shared.waiting === 0)
+      this.takeStep(this.steps.shift() as 'undo' | 'redo');
+  }
+
+  /** A new edit or a refused one makes it unclear which steps were meant by those that wait. */
+  private forgetSteps(): void {
+    if (this.steps.length > 0)
+      this.note(`Not done, since another edit came between: ${this.steps.join(', ')}.`);
+    this.steps = [];
+  }
+
+  private takeStep(kind: 'undo' | 'redo'): void {
     const edits = this.shared.step(kind);
     if (edits) this.edit(edits, { history: kind });
     else this.note(`There is nothing to ${kind}, or somebody else has edited it since.`);

@@ -172,6 +172,24 @@ describe('a shared document', () => {
     expect(count(ann)).toBe(1);
   });
 
+  it('can undo a step again that the server has refused, and begins none while own edits wait', () => {
+    const server = new Ordering();
+    const ann = server.join();
+    edit(server, ann, [{ add: ['Datasets'], to: seeds('a') }]);
+    const refused = ann.step('undo') as readonly Edit[];
+    ann.add({ edits: refused, history: 'undo' });
+    expect(ann.history.canUndo).toBe(false);
+    expect(ann.step('undo')).toBeUndefined();
+    ann.next();
+    ann.refused();
+    expect(ann.history.canUndo).toBe(true);
+    expect(undo(server, ann)).toBe(true);
+    expect(ann.shown).toEqual(start);
+    expect(ann.history.canUndo).toBe(false);
+    expect(undo(server, ann, 'redo')).toBe(true);
+    expect(count(ann)).toBe(1);
+  });
+
   it('asks for the document where events are missing, and keeps what it has not sent', () => {
     const server = new Ordering();
     const ann = server.join();

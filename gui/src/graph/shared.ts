@@ -91,7 +91,11 @@ export class SharedDocument {
 
   /** The server has refused the edit that was sent, or the connection was lost: then it is to be sent `again`. */
   refused(again = false): void {
-    if (this.sent && !again) this.drop(this.sent);
+    const { sent } = this;
+    if (sent && !again) {
+      this.drop(sent);
+      if (isStep(sent.own)) this.history.release();
+    }
     this.sent = undefined;
     this.show();
   }
@@ -109,18 +113,24 @@ export class SharedDocument {
       : undefined;
     const kind = entry?.own.history ?? 'edit';
     if (entry) this.drop(entry);
+    if (entry && isStep(entry.own)) this.history.end();
     if (entry && kind !== 'none') this.history.push(edited.inverse, edited.document, kind, entry.own.gesture);
     else this.history.others(edit.edits, before);
     this.show();
     return true;
   }
 
-  /** The edits of the newest own step, as they can be applied now; undefined if there is none, or it cannot be undone any more. */
+  /**
+   * The edits of the newest own step, to be added at once; undefined if there is none, or it cannot be undone any more. While own edits
+   * wait, there is none: which step is the newest is known only when they are ordered.
+   */
   step(kind: 'undo' | 'redo'): readonly Edit[] | undefined {
-    const edits = this.history.pop(kind);
+    if (this.waiting > 0) return undefined;
+    const edits = this.history.begin(kind);
     try {
       return edits && clamped(this.shownDocument, edits);
     } catch {
+      this.history.end(); // so that the steps before it can still be undone
       return undefined;
     }
   }
@@ -141,6 +151,10 @@ function tryApplied(document: JsonObject, edits: readonly Edit[]): JsonObject | 
   } catch {
     return undefined;
   }
+}
+
+function isStep({ history }: OwnEdit): boolean {
+  return history === 'undo' || history === 'redo';
 }
 
 /** Whether a live edit that waits need not be sent, since the newer one sets the same. */
