@@ -150,12 +150,47 @@ it('a hidden window asks for nothing and has the server stop; shown again it ask
   window.setCamera(moved(1));
   await vi.advanceTimersByTimeAsync(10_000);
   expect(stage.renders.length).toBe(2);
-  expect(stage.requests).toContain('viewer.window 1 {"follow":false}');
+  expect(stage.requests).toContain('viewer.window 1 {"size":[100,80],"follow":false}');
   expect(stage.requests).toContain('viewer.cancel_frame 1');
   window.setHidden(false);
   await settle();
-  expect(stage.requests).toContain('viewer.window 1 {"follow":true}');
+  expect(stage.requests.filter((r) => r.startsWith('viewer.window')).at(-1)).toBe(
+    'viewer.window 1 {"size":[100,80],"follow":true}',
+  );
   expect(stage.renders.length).toBe(3);
+});
+
+it('a size and a hiding that come while the window is set up are told once it is, and it has its picture', async () => {
+  window.close();
+  window = new RemoteWindow(stage, stage, null, { width: 100, height: 80 }, 16);
+  window.show({ kind: 'document', document: {} }, 16, null);
+  window.resize({ width: 50, height: 40 });
+  window.setHidden(true);
+  stage.requests = [];
+  stage.renders = [];
+  await settle();
+  expect(stage.requests).toContain('viewer.window 1 {"size":[50,40],"follow":false}');
+  expect(stage.renders).toEqual([]);
+  window.setHidden(false);
+  await settle();
+  expect(stage.requests).toContain('viewer.window 1 {"size":[50,40],"follow":true}');
+  expect(stage.renders.length).toBe(1);
+});
+
+it('a picture is not whole, and that is told, from the moment on that another is wanted', async () => {
+  const told: boolean[] = [];
+  window.onStatus = () => told.push(window.status.whole);
+  await rest();
+  expect(told.at(-1)).toBe(true);
+  window.setCamera(moved(1));
+  expect(told.at(-1)).toBe(false);
+  stage.pass(3);
+  await vi.advanceTimersByTimeAsync(250);
+  stage.pass(4, { lossless: true });
+  stage.end(4, 'complete');
+  expect(told.at(-1)).toBe(true);
+  window.resize({ width: 50, height: 40 });
+  expect(told.at(-1)).toBe(false);
 });
 
 it('what the server refuses is said, and asked for again after 1, 2, 4 seconds', async () => {

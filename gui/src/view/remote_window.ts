@@ -61,6 +61,7 @@ export class RemoteWindow {
   private ready = false; // the server has the window and what it shows
   private setting: AbortController | null = null;
   private hidden = false;
+  private told = ''; // the last statement of the window's size and whether it follows
   private camera: Camera | null = null;
   private cameraSent = false;
   private movingSent = false;
@@ -142,6 +143,7 @@ export class RemoteWindow {
     this.cameraSent = false;
     this.movedAt = performance.now();
     this.step();
+    this.changed(); // The picture is whole no more.
   }
 
   resize(size: Size): void {
@@ -149,11 +151,11 @@ export class RemoteWindow {
     this.pace.resized((size.width * size.height) / (this.size.width * this.size.height));
     this.size = size;
     this.pictures.resize(this.id, size);
-    if (!this.ready) return;
-    this.send(statement('viewer.window', [this.id], { size: [size.width, size.height] }));
     this.cameraSent = false;
     this.movedAt = performance.now();
+    if (this.ready) this.tell();
     this.step();
+    this.changed();
   }
 
   /** A hidden window asks for nothing, and the server makes nothing for it. */
@@ -161,7 +163,7 @@ export class RemoteWindow {
     if (hidden === this.hidden) return;
     this.hidden = hidden;
     if (!this.ready) return;
-    this.send(statement('viewer.window', [this.id], { follow: !hidden }));
+    this.tell();
     if (hidden) {
       this.send(statement('viewer.cancel_frame', [this.id]));
     } else if (this.camera) {
@@ -169,6 +171,7 @@ export class RemoteWindow {
       this.movedAt = -Infinity;
       this.step();
     }
+    this.changed();
   }
 
   /** The box of all data that are shown; null as long as it is not known. */
@@ -239,8 +242,6 @@ export class RemoteWindow {
   }
 
   private async askToShow(shown: Shown, signal: AbortSignal): Promise<void> {
-    const { width, height } = this.size;
-    const size = statement('viewer.window', [this.id], { size: [width, height], follow: !this.hidden });
     const options = {
       signal,
       onProgress: ({ text }: JsonObject) => {
@@ -252,7 +253,10 @@ export class RemoteWindow {
       shown.kind === 'document'
         ? statement('viewer.set', [this.id], shown.document)
         : statement('viewer.show', [this.id], { graph: shown.graph, view: shown.view });
-    const asked = [this.connection.request(size), this.connection.request(set, options)] as const;
+    const asked = [
+      this.connection.request(this.windowText()),
+      this.connection.request(set, options),
+    ] as const;
     const [, reply] = await Promise.all(asked);
     if (signal.aborted) return;
     this.progress = '';
@@ -276,8 +280,21 @@ export class RemoteWindow {
     if (this.ready) this.askForBox().catch(() => undefined);
   }
 
+  /** Says the window's size and whether it follows its data. What is said is kept, since both may change while that is not answered. */
+  private windowText(): string {
+    const { width, height } = this.size;
+    this.told = statement('viewer.window', [this.id], { size: [width, height], follow: !this.hidden });
+    return this.told;
+  }
+
+  private tell(): void {
+    const before = this.told;
+    if (this.windowText() !== before) this.send(this.told);
+  }
+
   private begin(): void {
     this.ready = true;
+    this.tell();
     this.cameraSent = false;
     this.movedAt = performance.now();
     this.changed();
