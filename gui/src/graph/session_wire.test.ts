@@ -170,6 +170,20 @@ describe('a session', () => {
     expect(count(session)).toBe(8);
   });
 
+  it('does not send again what the server had ordered before the connection was lost', async () => {
+    const { fake, session } = await begun();
+    session.edit(setCount(8));
+    fake.set({ kind: 'lost', reason: '', retryAt: 0 });
+    await fake.answer(new Error('the connection is lost'));
+    fake.set({ kind: 'open', welcome });
+    await fake.answer({ revision: 4 });
+    const ordered = { Datasets: [{ name: 'a', filter: 'Seeds', count: 8 }] };
+    await fake.answer({ document: ordered, revision: 4, paused: false, nodes: [] });
+    expect(fake.said.slice(3)).toEqual(['graph.watch g', 'graph.get g']);
+    expect(session.snapshot.waiting).toBe(0);
+    expect(count(session)).toBe(8);
+  });
+
   it('says when the graph is gone, and makes it again of what is kept', async () => {
     const { fake, session } = await begun();
     fake.tell('graph', { revision: 3, dropped: true });

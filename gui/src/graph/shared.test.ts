@@ -205,8 +205,8 @@ describe('a shared document', () => {
     const ann = server.join();
     ann.add({ edits: [{ add: ['Datasets'], to: seeds('a') }] });
     server.take(ann);
-    ann.reset(server.document, server.revision);
     ann.refused(true);
+    ann.reset(server.document, server.revision);
     expect(ann.next()).toBeUndefined();
     expect(equal(ann.shown, server.document)).toBe(true);
   });

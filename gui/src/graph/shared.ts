@@ -33,6 +33,7 @@ export class SharedDocument {
   private baseRevision = 0;
   private pending: Pending[] = []; // own edits that `base` does not have, oldest first
   private sent: Pending | undefined; // the one that the server has not replied to
+  private unsure: Pending | undefined; // sent before the connection was lost: the server may have ordered it
   private shownDocument: JsonObject = {};
 
   /** The document as the user sees it: the server's, with one's own edits that it has not ordered yet. */
@@ -49,11 +50,11 @@ export class SharedDocument {
 
   /** Begins with the server's document, or goes on with a newer one after events were lost. Own edits that it lacks stay on top. */
   reset(document: JsonObject, revision: number): void {
-    if (this.sent && revision === this.baseRevision + 1) {
-      // The connection may have been lost between an edit and its reply.
-      const guess = tryApplied(this.base, this.sent.own.edits);
-      if (guess && equal(guess, document)) this.drop(this.sent);
+    if (this.unsure && revision === this.baseRevision + 1) {
+      const guess = tryApplied(this.base, this.unsure.own.edits);
+      if (guess && equal(guess, document)) this.drop(this.unsure);
     }
+    this.unsure = undefined;
     this.base = document;
     this.baseRevision = revision;
     this.pending = this.pending.filter((p) => p.revision === undefined || p.revision > revision);
@@ -92,6 +93,7 @@ export class SharedDocument {
   /** The server has refused the edit that was sent, or the connection was lost: then it is to be sent `again`. */
   refused(again = false): void {
     const { sent } = this;
+    if (sent && again) this.unsure = sent;
     if (sent && !again) {
       this.drop(sent);
       if (isStep(sent.own)) this.history.release();
