@@ -190,6 +190,17 @@ describe('a shared document', () => {
     expect(count(ann)).toBe(1);
   });
 
+  it('does not take another edit of its own session for the one that it has sent', () => {
+    const ann = new SharedDocument();
+    ann.reset(start, 1);
+    ann.add({ edits: [{ add: ['Datasets'], to: seeds('a') }] });
+    ann.next();
+    ann.ordered({ revision: 2, edits: [{ add: ['Datasets'], to: seeds('earlier') }], isOwn: true });
+    expect(ann.waiting).toBe(1);
+    ann.ordered({ revision: 3, edits: [{ add: ['Datasets'], to: seeds('a') }], isOwn: true });
+    expect(ann.waiting).toBe(0);
+  });
+
   it('asks for the document where events are missing, and keeps what it has not sent', () => {
     const server = new Ordering();
     const ann = server.join();

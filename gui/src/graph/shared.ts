@@ -2,7 +2,7 @@
 // A document that several clients edit. The server orders all edits; this client's own are shown at once, on top of what the server has
 // ordered so far, and again on top of what it orders before them.
 import { type Edit, applied } from './edits';
-import { type JsonObject, equal } from './json';
+import { type Json, type JsonObject, equal } from './json';
 import { UndoStacks, clamped, named } from './undo';
 
 export interface OwnEdit {
@@ -110,9 +110,7 @@ export class SharedDocument {
     const edited = applied(before, edit.edits);
     this.base = edited.document;
     this.baseRevision = edit.revision;
-    const entry = edit.isOwn
-      ? (this.pending.find((p) => p.revision === edit.revision) ?? this.sent)
-      : undefined;
+    const entry = edit.isOwn ? this.ownOf(edit) : undefined;
     const kind = entry?.own.history ?? 'edit';
     if (entry) this.drop(entry);
     if (entry && isStep(entry.own)) this.history.end();
@@ -135,6 +133,13 @@ export class SharedDocument {
       this.history.end(); // so that the steps before it can still be undone
       return undefined;
     }
+  }
+
+  // An event may come before the reply. It may also be of an edit that this page sent before it opened the graph again.
+  private ownOf(edit: OrderedEdit): Pending | undefined {
+    const known = this.pending.find((p) => p.revision === edit.revision);
+    const isSent = equal(this.sent?.own.edits as Json | undefined, edit.edits as unknown as Json);
+    return known ?? (isSent ? this.sent : undefined);
   }
 
   private drop(entry: Pending): void {
