@@ -47,6 +47,7 @@ const REST = 250; // After so many milliseconds without a new camera, the camera
 const UNDER_WAY = 2;
 const AGAIN = 1000;
 const AGAIN_AT_MOST = 16_000;
+const waitAfter = (failures: number) => Math.min(AGAIN * 2 ** failures, AGAIN_AT_MOST);
 const MOVING_TILE = 512; // Browsers decode few large JPEGs faster than many small ones.
 
 /**
@@ -75,6 +76,8 @@ export class RemoteWindow {
   private renderError = '';
   private progress = '';
   private refusals = 0;
+  private failures = 0; // of setting it up
+  private setUpTimer: ReturnType<typeof setTimeout> | undefined;
   private againAt = Infinity;
   private generations: Record<string, number> = {};
   private dataBox: Box | null = null;
@@ -117,12 +120,16 @@ export class RemoteWindow {
           if (typeof name === 'string' && name in this.generations) this.askForBoxAgain();
         }),
       ),
+      connection.on('graph', ({ graph, dropped }) => {
+        if (dropped === true && this.shown?.kind === 'graph' && graph === this.shown.graph) this.setUp();
+      }),
     ];
   }
 
   /** Ends the window on the server, too. */
   close(): void {
     clearTimeout(this.timer);
+    clearTimeout(this.setUpTimer);
     for (const end of this.ends) end();
     this.setting?.abort();
     this.pictures.close(this.id);
@@ -132,6 +139,8 @@ export class RemoteWindow {
   /** Shows something. `camera`: from where; null: as what is shown says, which onCamera() then tells. */
   show(shown: Shown, passes: number, camera: Camera | null): void {
     this.shown = shown;
+    this.setError = '';
+    this.failures = 0;
     this.passes = passes;
     this.camera = camera;
     this.setUp();
@@ -219,12 +228,13 @@ export class RemoteWindow {
   // Makes the window on the server, and tells it what to show.
   private setUp(): void {
     this.setting?.abort();
+    clearTimeout(this.setUpTimer);
     const { shown } = this;
     if (!shown || this.connection.state.kind !== 'open') return;
     const setting = new AbortController();
     this.setting = setting;
     this.ready = false;
-    this.setError = this.renderError = '';
+    this.renderError = '';
     this.asked = new FramesAsked();
     this.frame = NO_FRAME;
     this.changed();
@@ -237,6 +247,9 @@ export class RemoteWindow {
         this.setError = error instanceof Error ? error.message : String(error);
         this.progress = '';
         this.changed();
+        // A document stays wrong. A graph or its view may be made again.
+        if (shown.kind === 'graph')
+          this.setUpTimer = setTimeout(this.setUp.bind(this), waitAfter(this.failures++));
       },
     );
   }
@@ -294,6 +307,8 @@ export class RemoteWindow {
 
   private begin(): void {
     this.ready = true;
+    this.setError = '';
+    this.failures = 0;
     this.tell();
     this.cameraSent = false;
     this.movedAt = performance.now();
@@ -347,8 +362,7 @@ export class RemoteWindow {
           asked.refuse();
           if (asked !== this.asked) return;
           this.renderError = error instanceof Error ? error.message : String(error);
-          this.againAt = performance.now() + Math.min(AGAIN * 2 ** this.refusals, AGAIN_AT_MOST);
-          this.refusals = Math.min(this.refusals + 1, 10);
+          this.againAt = performance.now() + waitAfter(this.refusals++);
           this.changed();
           this.step();
         },
