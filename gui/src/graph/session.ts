@@ -20,6 +20,8 @@ export interface GraphSnapshot {
   readonly name: string;
   readonly isLoaded: boolean;
   readonly isPaused: boolean;
+  /** The server answers only what changes nothing. */
+  readonly isViewOnly: boolean;
   /** How many edits nothing has been evaluated for, while the graph is paused. */
   readonly unrun: number;
   /** The server has no such graph: it was dropped, or another server answers. */
@@ -42,6 +44,7 @@ export interface LogLine {
   readonly text: string;
 }
 
+export const VIEW_ONLY = 'This session may only look: its token is view-only.';
 const MOST_LINES = 1000;
 
 export class GraphSession {
@@ -110,6 +113,11 @@ export class GraphSession {
   /** Edits the document: shown at once, and sent. Returns false, with a problem, if it cannot be applied. */
   edit(edits: readonly Edit[], options: Omit<OwnEdit, 'edits'> = {}): boolean {
     if (edits.length === 0) return true;
+    if (this.isViewOnly) {
+      this.refuse(edits, VIEW_ONLY);
+      this.changed();
+      return false;
+    }
     if (options.history === undefined) this.forgetSteps();
     try {
       this.shared.add({ ...options, edits });
@@ -165,6 +173,11 @@ export class GraphSession {
   note(text: string, isError = false): void {
     this.log = [...this.log, { at: Date.now(), isError, text }].slice(-MOST_LINES);
     this.changed();
+  }
+
+  private get isViewOnly(): boolean {
+    const { state } = this.connection;
+    return state.kind === 'open' && state.welcome.viewOnly;
   }
 
   private say(verb: string, node?: string): void {
@@ -314,6 +327,7 @@ export class GraphSession {
       name: this.name,
       isLoaded: shared.revision > 0,
       isPaused: this.isPaused,
+      isViewOnly: this.isViewOnly,
       unrun: this.isPaused ? shared.revision - this.ranAt : 0,
       isGone: this.isGone,
       document: shared.shown,

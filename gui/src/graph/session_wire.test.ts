@@ -5,7 +5,15 @@ import type { Connection, ConnectionState } from '../wire/connection';
 import type { JsonObject } from '../wire/json';
 import { GraphSession } from './session';
 
-const welcome = { server: 's', session: 7, tenant: 't', administrator: false, ranks: 1, limits: {} };
+const welcome = {
+  server: 's',
+  session: 7,
+  tenant: 't',
+  administrator: false,
+  viewOnly: false,
+  ranks: 1,
+  limits: {},
+};
 
 class Fake implements Connection {
   state: ConnectionState = { kind: 'open', welcome };
@@ -182,6 +190,15 @@ describe('a session', () => {
     expect(fake.said.slice(3)).toEqual(['graph.watch g', 'graph.get g']);
     expect(session.snapshot.waiting).toBe(0);
     expect(count(session)).toBe(8);
+  });
+
+  it('edits nothing in a session that may only look', async () => {
+    const { fake, session } = await begun();
+    fake.state = { kind: 'open', welcome: { ...welcome, viewOnly: true } };
+    expect(session.edit(setCount(2))).toBe(false);
+    expect(fake.said).toHaveLength(2);
+    expect(count(session)).toBe(1);
+    expect(session.snapshot.isViewOnly).toBe(true);
   });
 
   it('says when the graph is gone, and makes it again of what is kept', async () => {
