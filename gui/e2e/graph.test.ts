@@ -167,6 +167,9 @@ describe('a user', () => {
     await page.getByRole('combobox', { name: /^Add/ }).fill('PathLines look');
     await page.locator('.menu [role=option]').first().click();
     await card(page, 'Operators/pathlines look').waitFor();
+    await page.locator('.react-flow__controls-fitview').click(); // The look may reach out of the canvas.
+    await connect(page, 'Operators/pathlines look', 'Visualizations/view', 'operators');
+    expect(await edges(page)).toContain('Operators/pathlines look > Visualizations/view operators 1');
     const document = await savedGraph(page);
     expect(document['Datasets']).toEqual([
       { name: 'simsim.oneBall', type: 'Volume' },

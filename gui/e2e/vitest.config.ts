@@ -8,5 +8,6 @@ export default defineConfig({
     fileParallelism: false, // Each file has a server of several ranks.
     testTimeout: 120_000,
     hookTimeout: 120_000,
+    expect: { poll: { timeout: 60_000 } },
   },
 });

@@ -51,7 +51,7 @@ export function saveState(view: View): void {
     download(`${stem(view.title)}-view.json`, `${JSON.stringify(document, null, 2)}\n`, 'application/json');
 }
 
-const pictures = new Map<View, number>(); // how many were saved
+const pictures = new WeakMap<View, number>(); // how many were saved
 
 /** Saves the picture of this moment's camera with all its passes as PNG. */
 export async function savePicture(view: View): Promise<void> {

@@ -138,6 +138,7 @@ export function ConnectionStatus() {
           <span>
             tenant <Foreign text={state.welcome.tenant} />
           </span>
+          {state.welcome.viewOnly && <span>view only</span>}
         </>
       );
     case 'connecting':

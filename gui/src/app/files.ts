@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files of the user's own machine.
 
+const KEPT = 60_000; // milliseconds
+
 /** Has the browser save a file. */
 export function download(name: string, content: BlobPart, type: string): void {
   const url = URL.createObjectURL(new Blob([content], { type }));
@@ -8,7 +10,10 @@ export function download(name: string, content: BlobPart, type: string): void {
   link.href = url;
   link.download = name;
   link.click();
-  URL.revokeObjectURL(url);
+  // The browser may read it only after this turn.
+  setTimeout(() => {
+    URL.revokeObjectURL(url);
+  }, KEPT);
 }
 
 /** The name of a file without its folder and what stands behind the last dot. */

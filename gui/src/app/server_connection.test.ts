@@ -4,7 +4,15 @@ import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import type { FromWorker, ToWorker } from '../worker/messages';
 import { ServerConnection, type WorkerPort } from './server_connection';
 
-const WELCOME = { server: '', session: 1, tenant: '', administrator: false, ranks: 1, limits: {} };
+const WELCOME = {
+  server: '',
+  session: 1,
+  tenant: '',
+  administrator: false,
+  viewOnly: false,
+  ranks: 1,
+  limits: {},
+};
 
 class FakeWorker implements WorkerPort {
   onmessage: ((event: MessageEvent<FromWorker>) => void) | null = null;
@@ -64,6 +72,28 @@ it('a request that is aborted is cancelled on the server, and its progress is to
   worker.says({ kind: 'reply', id, text: 'error: cancelled' });
   await expect(long).rejects.toThrow('cancelled');
   expect(progress).toEqual([5]);
+});
+
+it('an abort after the reply says nothing, also when another request has that id on a new connection', async () => {
+  const abort = new AbortController();
+  const asked = server.request('one', { signal: abort.signal });
+  worker.says({ kind: 'reply', id: worker.id, text: 'ok' });
+  await asked;
+  worker.says({ kind: 'closed', reason: 'cut' });
+  vi.advanceTimersByTime(500);
+  worker.says({ kind: 'open', welcome: WELCOME, token: null });
+  const other = server.request('two');
+  const { length } = worker.posted;
+  abort.abort();
+  expect(worker.posted.length).toBe(length);
+  worker.says({ kind: 'reply', id: worker.id, text: 'ok' });
+  await other;
+});
+
+it('what was asked on a socket that is given up for a new one is rejected', async () => {
+  const asked = server.request('one');
+  server.connectNow();
+  await expect(asked).rejects.toThrow('the connection is lost');
 });
 
 it('after a loss it connects again with the token after 0.5, 1, 2, 4, 8, 15, 15 seconds, and what was asked is rejected', async () => {

@@ -19,6 +19,7 @@ interface Pending {
   resolve: (reply: JsonObject) => void;
   reject: (error: Error) => void;
   onProgress: RequestOptions['onProgress'];
+  settled: () => void; // called before either
 }
 
 // The modules whose verbs the page says. Where a server has not all of them, their verbs are errors.
@@ -71,6 +72,7 @@ export class ServerConnection implements Connection, Pictures {
     if (!this.credential) return;
     clearTimeout(this.retry);
     this.set({ kind: 'connecting', before: this.before });
+    this.rejectAll('the page connects anew'); // The worker ends the older socket without a word.
     this.post({ kind: 'connect', url: this.url, credential: this.credential, client: CLIENT });
   }
 
@@ -103,13 +105,16 @@ export class ServerConnection implements Connection, Pictures {
     if (this.now.kind !== 'open') return Promise.reject(new Error('there is no connection to the server'));
     if (signal?.aborted) return Promise.reject(new Error('cancelled'));
     const id = ++this.lastId;
-    return new Promise((resolve, reject) => {
-      this.pending.set(id, { resolve, reject, onProgress });
-      this.post({ kind: 'request', id, text });
-      signal?.addEventListener('abort', () => {
-        if (this.pending.has(id)) this.post({ kind: 'request', id: ++this.lastId, text: `cancel ${id}` });
-      });
+    const cancel = () => {
+      this.post({ kind: 'request', id: ++this.lastId, text: `cancel ${id}` });
+    };
+    signal?.addEventListener('abort', cancel);
+    const reply = new Promise<JsonObject>((resolve, reject) => {
+      const settled = () => signal?.removeEventListener('abort', cancel);
+      this.pending.set(id, { resolve, reject, onProgress, settled });
     });
+    this.post({ kind: 'request', id, text });
+    return reply;
   }
 
   newWindow(): number {
@@ -214,18 +219,26 @@ export class ServerConnection implements Connection, Pictures {
     const wait = retryDelay(this.failures++);
     this.set({ kind: 'lost', reason, retryAt: Date.now() + wait });
     this.silences.call(0);
-    for (const { reject } of this.pending.values()) reject(new Error(`the connection is lost: ${reason}`));
-    this.pending.clear();
+    this.rejectAll(reason);
     clearTimeout(this.retry);
     this.retry = setTimeout(() => {
       this.connectNow();
     }, wait);
   }
 
+  private rejectAll(reason: string): void {
+    for (const { reject, settled } of this.pending.values()) {
+      settled();
+      reject(new Error(`the connection is lost: ${reason}`));
+    }
+    this.pending.clear();
+  }
+
   private reply(id: number, text: string): void {
     const pending = this.pending.get(id);
     if (!pending) return;
     this.pending.delete(id);
+    pending.settled();
     if (text.startsWith('error: ')) {
       pending.reject(new Error(text.slice('error: '.length)));
       return;

@@ -34,7 +34,7 @@ import {
   idOf,
   nodesOf,
 } from '../graph/nodes';
-import { messageOf } from '../graph/session';
+import { messageOf, VIEW_ONLY } from '../graph/session';
 import { useViews } from '../view/views';
 import type { ServerConnection } from '../app/server_connection';
 import { statement } from '../wire/statement';
@@ -71,7 +71,8 @@ function change(): Change | undefined {
 
 /** Sends a change, and selects the nodes that it made. */
 function make(change_: Change, selected?: readonly string[]): void {
-  const { session, select } = store();
+  const { session, select, say } = store();
+  if (session?.snapshot.isViewOnly) say(VIEW_ONLY);
   if (session?.edit(change_.edits) && selected) select(selected);
 }
 
@@ -241,8 +242,10 @@ export function openView(name: string): void {
   view.onNotice = say;
   // The view's camera is what its user sees. Undo leaves it: whoever turns the picture back turns it.
   view.onRest = (camera) => {
-    if (session.snapshot.isLoaded && find(session.snapshot.document, ['Visualizations', name]))
-      session.edit([{ set: ['Visualizations', name, 'camera'], to: camera as JsonObject }], {
+    const { session: now } = store();
+    if (now?.name !== session.name || !now.snapshot.isLoaded || now.snapshot.isViewOnly) return;
+    if (find(now.snapshot.document, ['Visualizations', name]))
+      now.edit([{ set: ['Visualizations', name, 'camera'], to: camera as JsonObject }], {
         history: 'none',
       });
   };

@@ -60,7 +60,7 @@ function RunButtons() {
         type="button"
         title="Undo (Ctrl+Z)"
         aria-label="Undo"
-        disabled={!snapshot.canUndo}
+        disabled={!snapshot.canUndo || snapshot.isViewOnly}
         onClick={() => session.undo()}
       >
         ↶
@@ -69,7 +69,7 @@ function RunButtons() {
         type="button"
         title="Redo (Ctrl+Y)"
         aria-label="Redo"
-        disabled={!snapshot.canRedo}
+        disabled={!snapshot.canRedo || snapshot.isViewOnly}
         onClick={() => session.redo()}
       >
         ↷
@@ -77,6 +77,7 @@ function RunButtons() {
       <button
         type="button"
         aria-pressed={snapshot.isPaused}
+        disabled={snapshot.isViewOnly}
         onClick={() => session.setPaused(!snapshot.isPaused)}
       >
         {snapshot.isPaused ? 'Paused' : 'Pause'}
@@ -84,6 +85,7 @@ function RunButtons() {
       <button
         type="button"
         title="Evaluate all nodes once, and try again what has failed"
+        disabled={snapshot.isViewOnly}
         onClick={() => session.run()}
       >
         {snapshot.unrun > 0 ? `Run (${snapshot.unrun} edits)` : 'Run'}
@@ -160,7 +162,12 @@ export function GraphBar() {
               Drop {session.name}?
             </button>
           ) : (
-            <button type="button" title="Have the server forget the graph" onClick={() => setDropping(true)}>
+            <button
+              type="button"
+              title="Have the server forget the graph"
+              disabled={snapshot.isViewOnly}
+              onClick={() => setDropping(true)}
+            >
               Drop
             </button>
           )}

@@ -382,6 +382,8 @@ function Canvas() {
         isValidConnection={isValid}
         connectionLineType={ConnectionLineType.Bezier}
         deleteKeyCode={null}
+        nodesDraggable={snapshot?.isViewOnly !== true}
+        nodesConnectable={snapshot?.isViewOnly !== true}
         zoomOnDoubleClick={false}
         multiSelectionKeyCode={['Control', 'Meta', 'Shift']}
         minZoom={0.1}

@@ -20,6 +20,8 @@ export interface GraphSnapshot {
   readonly name: string;
   readonly isLoaded: boolean;
   readonly isPaused: boolean;
+  /** The server answers only what changes nothing. */
+  readonly isViewOnly: boolean;
   /** How many edits nothing has been evaluated for, while the graph is paused. */
   readonly unrun: number;
   /** The server has no such graph: it was dropped, or another server answers. */
@@ -42,6 +44,7 @@ export interface LogLine {
   readonly text: string;
 }
 
+export const VIEW_ONLY = 'This session may only look: its token is view-only.';
 const MOST_LINES = 1000;
 
 export class GraphSession {
@@ -52,6 +55,7 @@ export class GraphSession {
   private clients: readonly string[] = [];
   private problems: readonly Problem[] = [];
   private log: readonly LogLine[] = [];
+  private steps: ('undo' | 'redo')[] = []; // asked for while own edits waited, oldest first
   private held: JsonObject[] | undefined = []; // events that came before the document
   private isPaused = false;
   private ranAt = 0; // the revision of the last run of a paused graph
@@ -109,6 +113,12 @@ export class GraphSession {
   /** Edits the document: shown at once, and sent. Returns false, with a problem, if it cannot be applied. */
   edit(edits: readonly Edit[], options: Omit<OwnEdit, 'edits'> = {}): boolean {
     if (edits.length === 0) return true;
+    if (this.isViewOnly) {
+      this.refuse(edits, VIEW_ONLY);
+      this.changed();
+      return false;
+    }
+    if (options.history === undefined) this.forgetSteps();
     try {
       this.shared.add({ ...options, edits });
     } catch (error) {
@@ -165,6 +175,11 @@ export class GraphSession {
     this.changed();
   }
 
+  private get isViewOnly(): boolean {
+    const { state } = this.connection;
+    return state.kind === 'open' && state.welcome.viewOnly;
+  }
+
   private say(verb: string, node?: string): void {
     this.connection
       .request(statement(verb, node === undefined ? [this.name] : [this.name, node]))
@@ -204,6 +219,7 @@ export class GraphSession {
     for (const event of events) this.take(event);
     this.changed();
     this.send();
+    this.takeSteps();
   }
 
   private take(event: JsonObject): void {
@@ -224,6 +240,7 @@ export class GraphSession {
     if (!isOwn)
       this.note(`${textOf(by, 'client')} edited the graph (revision ${numberOf(event, 'revision')}).`);
     this.changed();
+    this.takeSteps();
   }
 
   private takeState(event: JsonObject): void {
@@ -255,11 +272,15 @@ export class GraphSession {
         for (const warning of (reply['warnings'] ?? []) as string[]) this.note(warning);
         this.changed();
         this.send();
+        this.takeSteps();
       },
       (error: unknown) => {
         const isLost = this.connection.state.kind !== 'open';
         this.shared.refused(isLost);
-        if (!isLost) this.refuse(own.edits, messageOf(error));
+        if (!isLost) {
+          this.refuse(own.edits, messageOf(error));
+          this.forgetSteps(); // They were meant to take back or follow what has not happened.
+        }
         this.changed();
         this.send();
       },
@@ -267,6 +288,24 @@ export class GraphSession {
   }
 
   private step(kind: 'undo' | 'redo'): void {
+    this.steps.push(kind);
+    this.takeSteps();
+  }
+
+  /** Undoes and redoes what was asked for, each when the server has ordered all own edits before it. */
+  private takeSteps(): void {
+    while (this.steps.length > 0 && this.shared.waiting === 0)
+      this.takeStep(this.steps.shift() as 'undo' | 'redo');
+  }
+
+  /** A new edit or a refused one makes it unclear which steps were meant by those that wait. */
+  private forgetSteps(): void {
+    if (this.steps.length > 0)
+      this.note(`Not done, since another edit came between: ${this.steps.join(', ')}.`);
+    this.steps = [];
+  }
+
+  private takeStep(kind: 'undo' | 'redo'): void {
     const edits = this.shared.step(kind);
     if (edits) this.edit(edits, { history: kind });
     else this.note(`There is nothing to ${kind}, or somebody else has edited it since.`);
@@ -288,6 +327,7 @@ export class GraphSession {
       name: this.name,
       isLoaded: shared.revision > 0,
       isPaused: this.isPaused,
+      isViewOnly: this.isViewOnly,
       unrun: this.isPaused ? shared.revision - this.ranAt : 0,
       isGone: this.isGone,
       document: shared.shown,

@@ -5,7 +5,15 @@ import type { Connection, ConnectionState } from '../wire/connection';
 import type { JsonObject } from '../wire/json';
 import { GraphSession } from './session';
 
-const welcome = { server: 's', session: 7, tenant: 't', administrator: false, ranks: 1, limits: {} };
+const welcome = {
+  server: 's',
+  session: 7,
+  tenant: 't',
+  administrator: false,
+  viewOnly: false,
+  ranks: 1,
+  limits: {},
+};
 
 class Fake implements Connection {
   state: ConnectionState = { kind: 'open', welcome };
@@ -109,6 +117,41 @@ describe('a session', () => {
     expect(fake.said[3]).toBe('graph.edit g {"edits":[{"set":["Datasets","a","count"],"to":1}]}');
   });
 
+  it('undoes and redoes in the order of the keys, each when the server has ordered what was before it', async () => {
+    const { fake, session } = await begun();
+    const ordered = async (revision: number, to: number): Promise<void> => {
+      const edits = setCount(to);
+      expect(fake.said.at(-1)).toBe(`graph.edit g ${JSON.stringify({ edits })}`);
+      fake.tell('graph', { revision, by: { session: 7, client: 'me' }, edits });
+      await fake.answer({ revision, warnings: [] });
+    };
+    session.edit(setCount(5));
+    await ordered(4, 5);
+    session.edit(setCount(6));
+    session.undo(); // of 6, which is not ordered yet
+    session.undo();
+    session.redo();
+    await ordered(5, 6);
+    await ordered(6, 5);
+    await ordered(7, 1);
+    await ordered(8, 5);
+    expect(session.snapshot.waiting).toBe(0);
+    expect(count(session)).toBe(5);
+    expect(session.snapshot.canUndo && session.snapshot.canRedo).toBe(true);
+  });
+
+  it('does not undo what was before an edit that the server refuses', async () => {
+    const { fake, session } = await begun();
+    session.edit(setCount(5));
+    fake.tell('graph', { revision: 4, by: { session: 7, client: 'me' }, edits: setCount(5) });
+    await fake.answer({ revision: 4, warnings: [] });
+    session.edit(setCount(-1));
+    session.undo();
+    await fake.answer(new Error('Datasets["a"]: `count`: expected an integer >= 1, found -1'));
+    expect(count(session)).toBe(5);
+    expect(fake.said).toHaveLength(4);
+  });
+
   it('reads the document again where the server has left events out', async () => {
     const { fake, session } = await begun();
     fake.tell('graph', { revision: 6, by: { session: 8, client: 'bob' }, edits: setCount(6) });
@@ -133,6 +176,29 @@ describe('a session', () => {
     ]);
     expect(session.snapshot.document['version']).toBe(1);
     expect(count(session)).toBe(8);
+  });
+
+  it('does not send again what the server had ordered before the connection was lost', async () => {
+    const { fake, session } = await begun();
+    session.edit(setCount(8));
+    fake.set({ kind: 'lost', reason: '', retryAt: 0 });
+    await fake.answer(new Error('the connection is lost'));
+    fake.set({ kind: 'open', welcome });
+    await fake.answer({ revision: 4 });
+    const ordered = { Datasets: [{ name: 'a', filter: 'Seeds', count: 8 }] };
+    await fake.answer({ document: ordered, revision: 4, paused: false, nodes: [] });
+    expect(fake.said.slice(3)).toEqual(['graph.watch g', 'graph.get g']);
+    expect(session.snapshot.waiting).toBe(0);
+    expect(count(session)).toBe(8);
+  });
+
+  it('edits nothing in a session that may only look', async () => {
+    const { fake, session } = await begun();
+    fake.state = { kind: 'open', welcome: { ...welcome, viewOnly: true } };
+    expect(session.edit(setCount(2))).toBe(false);
+    expect(fake.said).toHaveLength(2);
+    expect(count(session)).toBe(1);
+    expect(session.snapshot.isViewOnly).toBe(true);
   });
 
   it('says when the graph is gone, and makes it again of what is kept', async () => {

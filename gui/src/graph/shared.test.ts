@@ -172,6 +172,35 @@ describe('a shared document', () => {
     expect(count(ann)).toBe(1);
   });
 
+  it('can undo a step again that the server has refused, and begins none while own edits wait', () => {
+    const server = new Ordering();
+    const ann = server.join();
+    edit(server, ann, [{ add: ['Datasets'], to: seeds('a') }]);
+    const refused = ann.step('undo') as readonly Edit[];
+    ann.add({ edits: refused, history: 'undo' });
+    expect(ann.history.canUndo).toBe(false);
+    expect(ann.step('undo')).toBeUndefined();
+    ann.next();
+    ann.refused();
+    expect(ann.history.canUndo).toBe(true);
+    expect(undo(server, ann)).toBe(true);
+    expect(ann.shown).toEqual(start);
+    expect(ann.history.canUndo).toBe(false);
+    expect(undo(server, ann, 'redo')).toBe(true);
+    expect(count(ann)).toBe(1);
+  });
+
+  it('does not take another edit of its own session for the one that it has sent', () => {
+    const ann = new SharedDocument();
+    ann.reset(start, 1);
+    ann.add({ edits: [{ add: ['Datasets'], to: seeds('a') }] });
+    ann.next();
+    ann.ordered({ revision: 2, edits: [{ add: ['Datasets'], to: seeds('earlier') }], isOwn: true });
+    expect(ann.waiting).toBe(1);
+    ann.ordered({ revision: 3, edits: [{ add: ['Datasets'], to: seeds('a') }], isOwn: true });
+    expect(ann.waiting).toBe(0);
+  });
+
   it('asks for the document where events are missing, and keeps what it has not sent', () => {
     const server = new Ordering();
     const ann = server.join();
@@ -187,8 +216,8 @@ describe('a shared document', () => {
     const ann = server.join();
     ann.add({ edits: [{ add: ['Datasets'], to: seeds('a') }] });
     server.take(ann);
-    ann.reset(server.document, server.revision);
     ann.refused(true);
+    ann.reset(server.document, server.revision);
     expect(ann.next()).toBeUndefined();
     expect(equal(ann.shown, server.document)).toBe(true);
   });

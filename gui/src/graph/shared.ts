@@ -2,7 +2,7 @@
 // A document that several clients edit. The server orders all edits; this client's own are shown at once, on top of what the server has
 // ordered so far, and again on top of what it orders before them.
 import { type Edit, applied } from './edits';
-import { type JsonObject, equal } from './json';
+import { type Json, type JsonObject, equal } from './json';
 import { UndoStacks, clamped, named } from './undo';
 
 export interface OwnEdit {
@@ -33,6 +33,7 @@ export class SharedDocument {
   private baseRevision = 0;
   private pending: Pending[] = []; // own edits that `base` does not have, oldest first
   private sent: Pending | undefined; // the one that the server has not replied to
+  private unsure: Pending | undefined; // sent before the connection was lost: the server may have ordered it
   private shownDocument: JsonObject = {};
 
   /** The document as the user sees it: the server's, with one's own edits that it has not ordered yet. */
@@ -49,11 +50,11 @@ export class SharedDocument {
 
   /** Begins with the server's document, or goes on with a newer one after events were lost. Own edits that it lacks stay on top. */
   reset(document: JsonObject, revision: number): void {
-    if (this.sent && revision === this.baseRevision + 1) {
-      // The connection may have been lost between an edit and its reply.
-      const guess = tryApplied(this.base, this.sent.own.edits);
-      if (guess && equal(guess, document)) this.drop(this.sent);
+    if (this.unsure && revision === this.baseRevision + 1) {
+      const guess = tryApplied(this.base, this.unsure.own.edits);
+      if (guess && equal(guess, document)) this.drop(this.unsure);
     }
+    this.unsure = undefined;
     this.base = document;
     this.baseRevision = revision;
     this.pending = this.pending.filter((p) => p.revision === undefined || p.revision > revision);
@@ -91,7 +92,12 @@ export class SharedDocument {
 
   /** The server has refused the edit that was sent, or the connection was lost: then it is to be sent `again`. */
   refused(again = false): void {
-    if (this.sent && !again) this.drop(this.sent);
+    const { sent } = this;
+    if (sent && again) this.unsure = sent;
+    if (sent && !again) {
+      this.drop(sent);
+      if (isStep(sent.own)) this.history.release();
+    }
     this.sent = undefined;
     this.show();
   }
@@ -104,25 +110,36 @@ export class SharedDocument {
     const edited = applied(before, edit.edits);
     this.base = edited.document;
     this.baseRevision = edit.revision;
-    const entry = edit.isOwn
-      ? (this.pending.find((p) => p.revision === edit.revision) ?? this.sent)
-      : undefined;
+    const entry = edit.isOwn ? this.ownOf(edit) : undefined;
     const kind = entry?.own.history ?? 'edit';
     if (entry) this.drop(entry);
+    if (entry && isStep(entry.own)) this.history.end();
     if (entry && kind !== 'none') this.history.push(edited.inverse, edited.document, kind, entry.own.gesture);
     else this.history.others(edit.edits, before);
     this.show();
     return true;
   }
 
-  /** The edits of the newest own step, as they can be applied now; undefined if there is none, or it cannot be undone any more. */
+  /**
+   * The edits of the newest own step, to be added at once; undefined if there is none, or it cannot be undone any more. While own edits
+   * wait, there is none: which step is the newest is known only when they are ordered.
+   */
   step(kind: 'undo' | 'redo'): readonly Edit[] | undefined {
-    const edits = this.history.pop(kind);
+    if (this.waiting > 0) return undefined;
+    const edits = this.history.begin(kind);
     try {
       return edits && clamped(this.shownDocument, edits);
     } catch {
+      this.history.end(); // so that the steps before it can still be undone
       return undefined;
     }
+  }
+
+  // An event may come before the reply. It may also be of an edit that this page sent before it opened the graph again.
+  private ownOf(edit: OrderedEdit): Pending | undefined {
+    const known = this.pending.find((p) => p.revision === edit.revision);
+    const isSent = equal(this.sent?.own.edits as Json | undefined, edit.edits as unknown as Json);
+    return known ?? (isSent ? this.sent : undefined);
   }
 
   private drop(entry: Pending): void {
@@ -141,6 +158,10 @@ function tryApplied(document: JsonObject, edits: readonly Edit[]): JsonObject | 
   } catch {
     return undefined;
   }
+}
+
+function isStep({ history }: OwnEdit): boolean {
+  return history === 'undo' || history === 'redo';
 }
 
 /** Whether a live edit that waits need not be sent, since the newer one sets the same. */

@@ -101,6 +101,7 @@ export function clamped(document: JsonObject, edits: readonly Edit[]): readonly 
 interface Entry {
   readonly gesture: string; // entries of one gesture, such as a drag, are undone together
   readonly inverse: readonly Edit[];
+  readonly isUnderWay?: boolean; // its edits are sent, and the server has not ordered them yet
 }
 
 const MOST_ENTRIES = 200;
@@ -110,10 +111,10 @@ export class UndoStacks {
   private redos: Entry[] = [];
 
   get canUndo(): boolean {
-    return this.undos.length > 0;
+    return this.undos.some((entry) => !entry.isUnderWay);
   }
   get canRedo(): boolean {
-    return this.redos.length > 0;
+    return this.redos.some((entry) => !entry.isUnderWay);
   }
 
   /** Takes the inverse of an edit, in the document after that edit. Edits of one `gesture` that is not empty are one step. */
@@ -132,9 +133,25 @@ export class UndoStacks {
     if (this.undos.length > MOST_ENTRIES) this.undos.shift();
   }
 
-  /** Takes the newest step off its stack; undefined if there is none. */
-  pop(kind: 'undo' | 'redo'): readonly Edit[] | undefined {
-    return (kind === 'undo' ? this.undos : this.redos).pop()?.inverse;
+  /** Begins the newest step; undefined if there is none. The step stays here until end(), since the server may refuse it. */
+  begin(kind: 'undo' | 'redo'): readonly Edit[] | undefined {
+    const entries = kind === 'undo' ? this.undos : this.redos;
+    const last = entries.pop();
+    if (last) entries.push({ ...last, isUnderWay: true });
+    return last?.inverse;
+  }
+
+  /** The step that was begun is done, or cannot be done any more. */
+  end(): void {
+    this.undos = this.undos.filter((entry) => !entry.isUnderWay);
+    this.redos = this.redos.filter((entry) => !entry.isUnderWay);
+  }
+
+  /** The step that was begun has not been done, and can be begun again. */
+  release(): void {
+    const released = (entry: Entry): Entry => ({ ...entry, isUnderWay: false });
+    this.undos = this.undos.map(released);
+    this.redos = this.redos.map(released);
   }
 
   /** Somebody else, or this client outside its history, has edited `document`. Returns how many steps went. */

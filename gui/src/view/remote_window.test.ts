@@ -8,7 +8,15 @@ import type { Camera } from './camera';
 import type { PictureHandlers, Pictures } from './pictures';
 import { RemoteWindow } from './remote_window';
 
-const WELCOME = { server: '', session: 1, tenant: '', administrator: false, ranks: 1, limits: {} };
+const WELCOME = {
+  server: '',
+  session: 1,
+  tenant: '',
+  administrator: false,
+  viewOnly: false,
+  ranks: 1,
+  limits: {},
+};
 const CAMERA: Camera = {
   ...{ viewpoint: [0, 0, 4], viewdirection: [0, 0, -4], viewup: [0, 1, 0] },
   ...{ aov: 30, height: 1 },
@@ -22,6 +30,7 @@ class Stage implements Connection, Pictures {
   /** The options of all `render`s. */
   renders: JsonObject[] = [];
   requests: string[] = [];
+  hasGraph = true;
   refusal: string | null = null;
   private readonly listeners: ((state: ConnectionState) => void)[] = [];
 
@@ -32,6 +41,7 @@ class Stage implements Connection, Pictures {
         Camera: { ...CAMERA, viewpoint: [0, 0, 4] } as unknown as JsonObject,
         box: null,
       });
+    if (text.startsWith('viewer.show') && !this.hasGraph) return Promise.reject(new Error('no such graph'));
     if (!text.startsWith('viewer.render')) return Promise.resolve({});
     this.renders.push(JSON.parse(text.slice(text.indexOf('{'))) as JsonObject);
     if (this.refusal !== null) return Promise.reject(new Error(this.refusal));
@@ -45,7 +55,11 @@ class Stage implements Connection, Pictures {
     this.state = state;
     for (const listener of this.listeners) listener(state);
   }
-  on = () => () => undefined;
+  events = new Map<string, (event: JsonObject) => void>();
+  on(event: string, handler: (event: JsonObject) => void) {
+    this.events.set(event, handler);
+    return () => undefined;
+  }
   onFile = () => () => undefined;
   newWindow = () => 1;
   open(_window: number, _canvas: unknown, _size: unknown, handlers: PictureHandlers): void {
@@ -150,12 +164,63 @@ it('a hidden window asks for nothing and has the server stop; shown again it ask
   window.setCamera(moved(1));
   await vi.advanceTimersByTimeAsync(10_000);
   expect(stage.renders.length).toBe(2);
-  expect(stage.requests).toContain('viewer.window 1 {"follow":false}');
+  expect(stage.requests).toContain('viewer.window 1 {"size":[100,80],"follow":false}');
   expect(stage.requests).toContain('viewer.cancel_frame 1');
   window.setHidden(false);
   await settle();
-  expect(stage.requests).toContain('viewer.window 1 {"follow":true}');
+  expect(stage.requests.filter((r) => r.startsWith('viewer.window')).at(-1)).toBe(
+    'viewer.window 1 {"size":[100,80],"follow":true}',
+  );
   expect(stage.renders.length).toBe(3);
+});
+
+it('a size and a hiding that come while the window is set up are told once it is, and it has its picture', async () => {
+  window.close();
+  window = new RemoteWindow(stage, stage, null, { width: 100, height: 80 }, 16);
+  window.show({ kind: 'document', document: {} }, 16, null);
+  window.resize({ width: 50, height: 40 });
+  window.setHidden(true);
+  stage.requests = [];
+  stage.renders = [];
+  await settle();
+  expect(stage.requests).toContain('viewer.window 1 {"size":[50,40],"follow":false}');
+  expect(stage.renders).toEqual([]);
+  window.setHidden(false);
+  await settle();
+  expect(stage.requests).toContain('viewer.window 1 {"size":[50,40],"follow":true}');
+  expect(stage.renders.length).toBe(1);
+});
+
+it('a picture is not whole, and that is told, from the moment on that another is wanted', async () => {
+  const told: boolean[] = [];
+  window.onStatus = () => told.push(window.status.whole);
+  await rest();
+  expect(told.at(-1)).toBe(true);
+  window.setCamera(moved(1));
+  expect(told.at(-1)).toBe(false);
+  stage.pass(3);
+  await vi.advanceTimersByTimeAsync(250);
+  stage.pass(4, { lossless: true });
+  stage.end(4, 'complete');
+  expect(told.at(-1)).toBe(true);
+  window.resize({ width: 50, height: 40 });
+  expect(told.at(-1)).toBe(false);
+});
+
+it('a view of a graph that is dropped and made again comes back by itself', async () => {
+  window.show({ kind: 'graph', graph: 'g', view: 'v' }, 16, null);
+  await settle();
+  stage.hasGraph = false;
+  stage.events.get('graph')?.({ graph: 'g', dropped: true });
+  await settle();
+  expect(window.status.text).toBe('error: no such graph');
+  await vi.advanceTimersByTimeAsync(2000);
+  expect(window.status.text).toBe('error: no such graph');
+  stage.hasGraph = true;
+  stage.renders = [];
+  await vi.advanceTimersByTimeAsync(16_000);
+  expect(stage.renders.length).toBeGreaterThan(0);
+  expect(window.status.text).not.toContain('error');
 });
 
 it('what the server refuses is said, and asked for again after 1, 2, 4 seconds', async () => {

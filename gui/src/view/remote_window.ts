@@ -47,6 +47,7 @@ const REST = 250; // After so many milliseconds without a new camera, the camera
 const UNDER_WAY = 2;
 const AGAIN = 1000;
 const AGAIN_AT_MOST = 16_000;
+const waitAfter = (failures: number) => Math.min(AGAIN * 2 ** failures, AGAIN_AT_MOST);
 const MOVING_TILE = 512; // Browsers decode few large JPEGs faster than many small ones.
 
 /**
@@ -61,6 +62,7 @@ export class RemoteWindow {
   private ready = false; // the server has the window and what it shows
   private setting: AbortController | null = null;
   private hidden = false;
+  private told = ''; // the last statement of the window's size and whether it follows
   private camera: Camera | null = null;
   private cameraSent = false;
   private movingSent = false;
@@ -74,6 +76,8 @@ export class RemoteWindow {
   private renderError = '';
   private progress = '';
   private refusals = 0;
+  private failures = 0; // of setting it up
+  private setUpTimer: ReturnType<typeof setTimeout> | undefined;
   private againAt = Infinity;
   private generations: Record<string, number> = {};
   private dataBox: Box | null = null;
@@ -116,12 +120,16 @@ export class RemoteWindow {
           if (typeof name === 'string' && name in this.generations) this.askForBoxAgain();
         }),
       ),
+      connection.on('graph', ({ graph, dropped }) => {
+        if (dropped === true && this.shown?.kind === 'graph' && graph === this.shown.graph) this.setUp();
+      }),
     ];
   }
 
   /** Ends the window on the server, too. */
   close(): void {
     clearTimeout(this.timer);
+    clearTimeout(this.setUpTimer);
     for (const end of this.ends) end();
     this.setting?.abort();
     this.pictures.close(this.id);
@@ -131,6 +139,8 @@ export class RemoteWindow {
   /** Shows something. `camera`: from where; null: as what is shown says, which onCamera() then tells. */
   show(shown: Shown, passes: number, camera: Camera | null): void {
     this.shown = shown;
+    this.setError = '';
+    this.failures = 0;
     this.passes = passes;
     this.camera = camera;
     this.setUp();
@@ -142,6 +152,7 @@ export class RemoteWindow {
     this.cameraSent = false;
     this.movedAt = performance.now();
     this.step();
+    this.changed(); // The picture is whole no more.
   }
 
   resize(size: Size): void {
@@ -149,11 +160,11 @@ export class RemoteWindow {
     this.pace.resized((size.width * size.height) / (this.size.width * this.size.height));
     this.size = size;
     this.pictures.resize(this.id, size);
-    if (!this.ready) return;
-    this.send(statement('viewer.window', [this.id], { size: [size.width, size.height] }));
     this.cameraSent = false;
     this.movedAt = performance.now();
+    if (this.ready) this.tell();
     this.step();
+    this.changed();
   }
 
   /** A hidden window asks for nothing, and the server makes nothing for it. */
@@ -161,7 +172,7 @@ export class RemoteWindow {
     if (hidden === this.hidden) return;
     this.hidden = hidden;
     if (!this.ready) return;
-    this.send(statement('viewer.window', [this.id], { follow: !hidden }));
+    this.tell();
     if (hidden) {
       this.send(statement('viewer.cancel_frame', [this.id]));
     } else if (this.camera) {
@@ -169,6 +180,7 @@ export class RemoteWindow {
       this.movedAt = -Infinity;
       this.step();
     }
+    this.changed();
   }
 
   /** The box of all data that are shown; null as long as it is not known. */
@@ -216,12 +228,13 @@ export class RemoteWindow {
   // Makes the window on the server, and tells it what to show.
   private setUp(): void {
     this.setting?.abort();
+    clearTimeout(this.setUpTimer);
     const { shown } = this;
     if (!shown || this.connection.state.kind !== 'open') return;
     const setting = new AbortController();
     this.setting = setting;
     this.ready = false;
-    this.setError = this.renderError = '';
+    this.renderError = '';
     this.asked = new FramesAsked();
     this.frame = NO_FRAME;
     this.changed();
@@ -234,13 +247,14 @@ export class RemoteWindow {
         this.setError = error instanceof Error ? error.message : String(error);
         this.progress = '';
         this.changed();
+        // A document stays wrong. A graph or its view may be made again.
+        if (shown.kind === 'graph')
+          this.setUpTimer = setTimeout(this.setUp.bind(this), waitAfter(this.failures++));
       },
     );
   }
 
   private async askToShow(shown: Shown, signal: AbortSignal): Promise<void> {
-    const { width, height } = this.size;
-    const size = statement('viewer.window', [this.id], { size: [width, height], follow: !this.hidden });
     const options = {
       signal,
       onProgress: ({ text }: JsonObject) => {
@@ -252,7 +266,10 @@ export class RemoteWindow {
       shown.kind === 'document'
         ? statement('viewer.set', [this.id], shown.document)
         : statement('viewer.show', [this.id], { graph: shown.graph, view: shown.view });
-    const asked = [this.connection.request(size), this.connection.request(set, options)] as const;
+    const asked = [
+      this.connection.request(this.windowText()),
+      this.connection.request(set, options),
+    ] as const;
     const [, reply] = await Promise.all(asked);
     if (signal.aborted) return;
     this.progress = '';
@@ -276,8 +293,23 @@ export class RemoteWindow {
     if (this.ready) this.askForBox().catch(() => undefined);
   }
 
+  /** Says the window's size and whether it follows its data. What is said is kept, since both may change while that is not answered. */
+  private windowText(): string {
+    const { width, height } = this.size;
+    this.told = statement('viewer.window', [this.id], { size: [width, height], follow: !this.hidden });
+    return this.told;
+  }
+
+  private tell(): void {
+    const before = this.told;
+    if (this.windowText() !== before) this.send(this.told);
+  }
+
   private begin(): void {
     this.ready = true;
+    this.setError = '';
+    this.failures = 0;
+    this.tell();
     this.cameraSent = false;
     this.movedAt = performance.now();
     this.changed();
@@ -330,8 +362,7 @@ export class RemoteWindow {
           asked.refuse();
           if (asked !== this.asked) return;
           this.renderError = error instanceof Error ? error.message : String(error);
-          this.againAt = performance.now() + Math.min(AGAIN * 2 ** this.refusals, AGAIN_AT_MOST);
-          this.refusals = Math.min(this.refusals + 1, 10);
+          this.againAt = performance.now() + waitAfter(this.refusals++);
           this.changed();
           this.step();
         },

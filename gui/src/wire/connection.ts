@@ -8,6 +8,8 @@ export interface Welcome {
   session: number;
   tenant: string;
   administrator: boolean;
+  /** Only verbs that change nothing are answered. */
+  viewOnly: boolean;
   ranks: number;
   limits: Record<string, number>;
 }

@@ -29,6 +29,7 @@ export function answerOf(text: string): Answer {
       session: numberOf(object, 'session'),
       tenant: textOf(object, 'tenant'),
       administrator: object['administrator'] === true,
+      viewOnly: object['view only'] === true,
       ranks: numberOf(object, 'ranks', 1),
       limits,
     },

@@ -79,9 +79,9 @@ export class Painter {
     this.levelOf(pass)?.putImageData(picture.image, tile.x, pass.height - tile.y - tile.h);
   }
 
-  /** Shows a pass, all of whose tiles are painted. Returns whether the picture is now one without loss in the window's size. */
+  /** Shows a pass, all of whose tiles are painted; one with a broken tile is left out. Returns whether the picture is now one without loss in the window's size. */
   show(pass: Pass): boolean {
-    if (!this.fits(pass)) return false;
+    if (!this.fits(pass) || pass.broken) return false;
     if (pass.lossless && pass.scale === 1) {
       [this.whole, this.gathered] = [this.gathered, this.whole];
       if (this.whole) this.context?.putImageData(this.whole.image, 0, 0);

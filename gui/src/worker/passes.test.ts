@@ -75,3 +75,12 @@ it('a pass is without loss if no tile of it is JPEG, and the speed of the link i
     pass: { lossless: false, bytes: 40, firstBytes: 10, begin: 5, endedAt: 9 },
   });
 });
+
+it('tiles that are left out are told', () => {
+  const left: PixelRecord[] = [];
+  const queue = new PassQueue((one) => left.push(one));
+  const [first, second] = [tile(1), tile(1, { pass: 1 })];
+  take(queue, first, endOfPass(1), second, endOfPass(1, { pass: 1 }));
+  expect(all(queue)).toEqual(['skip 1.1.0', 'tile 1.1.1', 'show 1.1.1']);
+  expect(left).toEqual([first]);
+});

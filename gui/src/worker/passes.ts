@@ -22,6 +22,8 @@ export interface Pass {
   begun: boolean;
   /** None of its tiles is JPEG. */
   lossless: boolean;
+  /** A tile of it could not be decoded. */
+  broken: boolean;
 }
 
 export type Work =
@@ -34,6 +36,9 @@ export type Work =
 
 export class PassQueue {
   private readonly items: (Pass | PixelRecord)[] = [];
+
+  /** `onLeft` gets each tile that will not be painted, as far as next() leaves it out. */
+  constructor(private readonly onLeft: (tile: PixelRecord) => void = () => undefined) {}
 
   /** Takes a record that came at the time `now`, in milliseconds. */
   take(record: PixelRecord, now: number): void {
@@ -66,7 +71,7 @@ export class PassQueue {
         !first.begun &&
         this.items.some((item) => item !== first && isPass(item) && item.end)
       ) {
-        this.items.shift();
+        this.leave(first);
         return { kind: 'skip', pass: first };
       }
       const tile = first.tiles.shift();
@@ -79,7 +84,7 @@ export class PassQueue {
         return { kind: 'show', pass: first };
       }
       // The server drops what is left of a pass when a newer frame begins.
-      if (this.items.some((item) => isPass(item) && item.frame > first.frame)) this.items.shift();
+      if (this.items.some((item) => isPass(item) && item.frame > first.frame)) this.leave(first);
       else return this.endBehind(first);
     }
   }
@@ -90,8 +95,13 @@ export class PassQueue {
     const record = this.items[at];
     if (!record || isPass(record)) return null;
     this.items.splice(at, 1);
-    if (record.frame === pass.frame) this.items.shift(); // its tiles will not come any more
+    if (record.frame === pass.frame) this.leave(pass); // its tiles will not come any more
     return { kind: 'end', record };
+  }
+
+  private leave(pass: Pass): void {
+    this.items.splice(this.items.indexOf(pass), 1);
+    pass.tiles.forEach(this.onLeft);
   }
 
   private passOf(record: PixelRecord, now: number): Pass {
@@ -107,6 +117,7 @@ export class PassQueue {
     const made: Pass = {
       ...{ frame, scale, pass, width, height, begin: now, firstBytes: data.length },
       ...{ tiles: [], bytes: 0, end: null, endedAt: 0, begun: false, lossless: true },
+      broken: false,
     };
     this.items.push(made);
     return made;

@@ -26,7 +26,7 @@ export class Windows {
   add(id: number, canvas: OffscreenCanvas | null, width: number, height: number): void {
     this.windows.set(id, {
       painter: new Painter(canvas, width, height),
-      ...{ queue: new PassQueue(), busy: false },
+      ...{ queue: new PassQueue(this.forgetBitmap), busy: false },
     });
   }
 
@@ -41,7 +41,7 @@ export class Windows {
   /** A new session numbers its frames anew. What has come is kept on the canvases. */
   restart(): void {
     for (const window of this.windows.values()) {
-      window.queue = new PassQueue();
+      window.queue = new PassQueue(this.forgetBitmap);
     }
   }
 
@@ -71,12 +71,22 @@ export class Windows {
     this.bitmaps.set(record, bitmap);
   }
 
+  private readonly forgetBitmap = (record: PixelRecord): void => {
+    this.bitmaps.get(record)?.then(
+      (bitmap) => {
+        bitmap.close();
+      },
+      () => undefined,
+    );
+  };
+
   private async work(id: number, window: Window): Promise<void> {
     window.busy = true;
     for (let next = window.queue.next(); next; next = window.queue.next()) {
       try {
         await this.do(id, window.painter, next);
       } catch (error) {
+        if (next.kind === 'tile') next.pass.broken = true;
         this.post({ kind: 'broken', window: id, error: messageOf(error) });
       }
       await this.breathe();
