@@ -92,11 +92,12 @@ class SamplingRanks {
     s.scene.visualization.operators = c.operators;
     s.scene.partitioning = std::move(partitioning);
     for (size_t i = 0; i < c.shown.size(); i++) {
+      OperatorSource& source = s.scene.data.emplace_back();
       const auto found = geometry.find(i);
       if (found == geometry.end())
-        s.scene.data.push_back({{.volume = parts[c.shown[i]][size_t(rank)]}, {}});
+        source.data.volume = parts[c.shown[i]][size_t(rank)];
       else
-        s.scene.data.push_back({{.geometry = found->second[size_t(rank)]}, {}});
+        source.data.geometry = found->second[size_t(rank)];
     }
     for (const auto& [v, component] : c.fields) s.fields.push_back({parts[v][size_t(rank)], component});
     s.recorded = c.recorded;
