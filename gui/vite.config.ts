@@ -11,5 +11,5 @@ export default defineConfig({
     assetsInlineLimit: 0, // The server's content security policy allows files only.
   },
   worker: { format: 'es' },
-  test: { include: ['src/**/*.test.{ts,tsx}'] },
+  test: { include: ['src/**/*.test.{ts,tsx}'], testTimeout: 60_000 },
 });

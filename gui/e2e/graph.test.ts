@@ -56,6 +56,7 @@ async function opened(
   const page = await browser.page(width, height, 1, scheme);
   await page.goto(server.ticketUrl());
   await page.getByRole('toolbar', { name: 'Graph' }).waitFor();
+  await page.getByText('Connected', { exact: true }).waitFor();
   return page;
 }
 

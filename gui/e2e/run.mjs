@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the tests of the page in a real browser against a real server:
 //
-//     node e2e/run.mjs PROGRAMS GUI PICTURES MPIEXEC...
+//     node e2e/run.mjs FILES PROGRAMS GUI PICTURES MPIEXEC...
 //
-// PROGRAMS: the folder of gxyserver, gxyrender, gxydata and msdata. GUI: the built page. PICTURES: where pictures of the page are
+// FILES: those tests whose file names contain one of these words, which commas separate. PROGRAMS: the folder of gxyserver, gxyrender, gxydata and msdata. GUI: the built page. PICTURES: where pictures of the page are
 // left. MPIEXEC: the command that starts ranks, in words. Exit status 77: there is no /usr/bin/chromium, so nothing was tested.
 import { existsSync, mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { startVitest } from 'vitest/node';
 
-const [programs, gui, pictures, ...mpiexec] = process.argv.slice(2);
+const [files, programs, gui, pictures, ...mpiexec] = process.argv.slice(2);
 if (!existsSync('/usr/bin/chromium')) {
   process.stdout.write('There is no /usr/bin/chromium: the page is not tested.\n');
   process.exit(77);
 }
-if (mpiexec.length === 0) throw new Error('expected PROGRAMS GUI PICTURES MPIEXEC...');
+if (mpiexec.length === 0) throw new Error('expected FILES PROGRAMS GUI PICTURES MPIEXEC...');
 mkdirSync(pictures, { recursive: true });
 const config = fileURLToPath(new URL('vitest.config.ts', import.meta.url));
-const vitest = await startVitest('test', [], {
+const vitest = await startVitest('test', files.split(','), {
   config,
   watch: false,
   provide: { programs, gui, pictures, mpiexec },

@@ -118,7 +118,7 @@ it('keys turn the picture and bring it back, and a picture that is saved meanwhi
   await picture.focus();
   await picture.hover(); // over the middle of the ball
   await page.keyboard.press('i');
-  await page.getByRole('status').locator('bdi', { hasText: 'ball' }).waitFor();
+  await page.getByRole('status').locator('bdi', { hasText: 'Volume ball' }).waitFor();
   await page.keyboard.press('x');
   const coming = page.waitForEvent('download');
   await page.keyboard.press('p'); // The camera has moved, so this one is made beside the view.
