@@ -39,10 +39,11 @@ FN real levelRootOn(FrameRay r, Hexahedron h, vec4 cubic, SidePoint p, vec3 at, 
       real exact = there.z * r.frame.perDepth;
       real root = clamp1(lerp1(tp, tq, u), begin, end);
       if (exact >= begin && exact <= end) root = exact;
-      // Near the surface that a ray has left the cubic may cross the level where the surface does not: the level before it tells.
+      // Near the surface that a ray has left the cubic may cross the level where the surface does not: the level before it tells. This must
+      // not depend on tAfter, which differs between partitions.
       bool crosses = true;
-      if (begin < tAfter) {
-        real before = lerp1(tAfter, root, R(0.5));
+      if (begin < R(0.0) && root > R(0.0)) {
+        real before = R(0.5) * root;
         vec3 place = middleOf(at, last, clamp1((before - tp) / (tq - tp), R(0.0), R(1.0)));
         SidePoint point = pointAtDepth(h, before / r.frame.perDepth, place);
         crosses = (point.value > R(0.0)) != (fz > R(0.0));
