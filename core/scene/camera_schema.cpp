@@ -13,13 +13,6 @@ void readCenter(const Found& found, Camera& camera) {
   camera.viewdirection = center - camera.viewpoint;
 }
 
-void readDimensions(const Found& found, Camera& camera) {
-  constexpr Limits kSide{1, 65536};
-  const std::vector<Found> sides = found.list("[width, height]");
-  if (sides.size() != 2) found.fail("[width, height]");
-  camera.dimensions = {sides[0].integer(kSide), sides[1].integer(kSide)};
-}
-
 Camera readCameraFile(const Found& found) {
   ReadContext& context = found.context;
   const std::string& name = found.text();
@@ -50,11 +43,13 @@ const Schema<Camera>& cameraSchema() {
                     "Full angle of view over the smaller image dimension, degrees; 0: orthographic."),
           numberKey("height", &Camera::height, kPositive,
                     "Orthographic only: extent of the window over the smaller image dimension, world units."),
-          customKey<Camera>("dimensions", "[width, height], integers 1 to 65536",
-                            "Image size in pixels, at most 2^31 in all.", readDimensions,
-                            [](const Camera& c) {
-                              return OrderedJson{c.dimensions.x, c.dimensions.y};
-                            }),
+          customKey<Camera>(
+              "dimensions", "[width, height], integers 1 to 65536",
+              "Image size in pixels, at most 2^31 in all.",
+              [](const Found& found, Camera& camera) { camera.dimensions = found.imageSize(); },
+              [](const Camera& c) {
+                return OrderedJson{c.dimensions.x, c.dimensions.y};
+              }),
           customKey<Camera>(
               "fit", "true or false",
               "The viewpoint (orthographic: `height`, too) is chosen so that the data fill the picture, seen "

@@ -145,6 +145,13 @@ Plane Found::plane() const {
   return {{v[0], v[1], v[2]}, v[3]};
 }
 
+glm::ivec2 Found::imageSize() const {
+  constexpr Limits kSide{1, 65536};
+  const std::vector<Found> sides = list("[width, height]");
+  if (sides.size() != 2) fail("[width, height]");
+  return {sides[0].integer(kSide), sides[1].integer(kSide)};
+}
+
 double Found::clampedToUnit(double x) const {
   if (kUnit.contain(x)) return x;
   warn(numberText(x) + " is outside 0 to 1 and was clamped");

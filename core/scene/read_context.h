@@ -89,6 +89,8 @@ struct Found {
   /// Reads rgb or rgba. Values outside [0, 1] are clamped with a warning.
   glm::dvec4 color() const;
   Plane plane() const;
+  /// Reads [width, height] of a picture in pixels, each 1 to 65536.
+  glm::ivec2 imageSize() const;
   /// Clamps `x` to [0, 1], with a warning if it is outside.
   double clampedToUnit(double x) const;
 };

@@ -127,10 +127,21 @@ struct Vis {
   bool operator==(const Vis&) const = default;
 };
 
+/// What makes a visualization a view: a picture with a camera of its own.
+struct ViewSettings {
+  std::string name;
+  std::optional<Camera> camera;    ///< none: it is rendered with each camera of the state
+  std::optional<glm::ivec2> size;  ///< pixels, in place of the camera's dimensions
+  bool follow = true;              ///< windows show newer data by themselves
+  bool asItComes = false;          ///< they show each dataset once it is there, not all together
+  bool operator==(const ViewSettings&) const = default;
+};
+
 struct Visualization {
   std::string annotation;
   Lighting lighting;
   std::vector<Vis> operators;
+  ViewSettings view;  ///< no part of the scene that is shown
   bool operator==(const Visualization&) const = default;
 };
 

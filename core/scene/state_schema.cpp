@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <set>
 
 #include "core/scene/dataset_type.h"
 #include "core/scene/filter_schema.h"
@@ -140,11 +141,15 @@ void readOutputs(const Found& found, State& state) {
 }
 
 void readVisualizations(const Found& found, State& state) {
+  std::set<std::string> names;
   readOneOrMany(found, [&](const Found& item) {
     Visualization visualization;
     visualization.lighting = item.context.oldLighting.value_or(Lighting{});
     if (item.value.find("Lighting") || item.value.find("lighting")) visualization.lighting = Lighting{};
     readObject(item.context, item.value, visualizationSchema(), visualization);
+    if (const std::string& name = visualization.view.name; !name.empty() && !names.insert(name).second)
+      item.context.fail(item.value.at,
+                        "two visualizations named " + inQuotes(name) + "; expected each name once");
     state.visualizations.push_back(std::move(visualization));
   });
 }
@@ -247,18 +252,58 @@ const Schema<RenderSettings>& rendererSchema() {
   return schema;
 }
 
+void readShow(const Found& found, Visualization& visualization) {
+  if (found.text() != "together" && found.text() != "as it comes")
+    found.fail("\"together\" or \"as it comes\"");
+  visualization.view.asItComes = found.text() == "as it comes";
+}
+
 const Schema<Visualization>& visualizationSchema() {
   using V = Visualization;
   static const Schema<V> schema{
       "visualization",
       {
+          customKey<V>(
+              "name", "text", "What outputs, windows and messages call it; each name once.",
+              [](const Found& f, V& v) { v.view.name = f.text(); },
+              [](const V& v) { return v.view.name.empty() ? OrderedJson() : OrderedJson(v.view.name); })
+              .byDefault("empty"),
+          customKey<V>(
+              "camera", "object, as in `Cameras`", "From where it looks, in place of all `Cameras`.",
+              [](const Found& f, V& v) { v.view.camera = readCamera(f); },
+              [](const V& v) {
+                return v.view.camera ? writeObject(*v.view.camera, cameraSchema()) : OrderedJson();
+              })
+              .byDefault("each of `Cameras`; in a graph the first, else fitted to the data"),
+          customKey<V>(
+              "size", "[width, height], integers 1 to 65536",
+              "Pixels of its pictures, in place of `dimensions` of cameras.",
+              [](const Found& f, V& v) { v.view.size = f.imageSize(); },
+              [](const V& v) {
+                return v.view.size ? OrderedJson{v.view.size->x, v.view.size->y} : OrderedJson();
+              })
+              .byDefault("the camera's"),
+          customKey<V>(
+              "follow", "true or false", "Whether windows show newer data by themselves.",
+              [](const Found& f, V& v) { v.view.follow = f.boolean(); },
+              [](const V& v) { return v.view.follow ? OrderedJson() : OrderedJson(false); })
+              .byDefault("`true`"),
+          customKey<V>(
+              "show", "\"together\" or \"as it comes\"",
+              "Whether windows on it in a graph change when all that they show is there, or data by "
+              "data.",
+              readShow,
+              [](const V& v) { return v.view.asItComes ? OrderedJson("as it comes") : OrderedJson(); })
+              .byDefault("`\"together\"`"),
           textKey("annotation", &V::annotation,
-                  "Becomes part of the picture's name, as PREFIX_00000_annotation.png."),
+                  "Becomes part of the picture's name, as PREFIX_00000_annotation.png.")
+              .advanced(),
           customKey<V>(
               "Lighting", "lighting", "How surfaces are lit.",
               [](const Found& f, V& v) { readObject(f.context, f.value, lightingSchema(), v.lighting); },
               [](const V& v) { return writeObject(v.lighting, lightingSchema()); })
               .alias({"lighting"})
+              .advanced()
               .byDefault("see below"),
           customKey<V>("operators", "list of operators", "What is shown, all in one picture.", readOperators,
                        [](const V& v) { return writeAll(v.operators, operatorSchema()); })
@@ -346,6 +391,14 @@ const Schema<State>& stateSchema() {
                                                       : writeObject(s.annotations, annotationsSchema());
               })
               .byDefault("none"),
+          customKey<State>("GUI", "object", "What the [browser GUI](gui.md) keeps: places of nodes, notes.",
+                           [](const Found&, State&) {})
+              .byDefault("none"),
+          customKey<State>("version", "1", "Of the format of state files.",
+                           [](const Found& f, State&) {
+                             if (f.number() != 1) f.fail("1; a newer Galaxy may read it");
+                           })
+              .byDefault("1"),
           customKey<State>("Outputs", "output or list of outputs",
                            "What is made of data beside pictures of windows.", readOutputs,
                            [](const State& s) {

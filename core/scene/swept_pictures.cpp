@@ -12,6 +12,7 @@
 #include "core/scene/orbit.h"
 #include "core/scene/resolve.h"
 #include "core/scene/schema.h"
+#include "core/scene/state_pictures.h"
 
 namespace gxy {
 namespace {
@@ -284,7 +285,8 @@ std::vector<std::string> SweptPictures::parametersOf(size_t picture, const std::
   return cells;
 }
 
-size_t countOfPictures(const Sweep& sweep, const State& state) {
+size_t countOfPictures(const Sweep& sweep, State state) {
+  useOwnCamera(state);
   checkState(sweep, state);
   uint64_t count = 1;
   for (const SweepAxis& axis : sweep.axes) count *= valuesOf(axis, state);
@@ -301,8 +303,9 @@ size_t countOfScenes(const Sweep& sweep) {
   return count;
 }
 
-SweptPictures sweptPictures(const Sweep& sweep, const State& state, const StateOfText& read,
+SweptPictures sweptPictures(const Sweep& sweep, State state, const StateOfText& read,
                             const std::function<void()>& check) {
+  useOwnCamera(state);
   const size_t total = countOfPictures(sweep, state);
   SweptPictures swept;
   swept.columns = sweep.columns();

@@ -49,17 +49,17 @@ using StateOfText = std::function<StateFile(const std::string& text)>;
 
 /// Returns the number of pictures that a sweep makes of a state in one time step. Throws Error if they are too many, or the sweep
 /// does not fit the state.
-size_t countOfPictures(const Sweep& sweep, const State& state);
+size_t countOfPictures(const Sweep& sweep, State state);
 
 /// Returns the number of different scenes at most.
 size_t countOfScenes(const Sweep& sweep);
 
 /// Returns the pictures. Each equals the picture that the state makes once the values of its row have been written into it. The
 /// state has one visualization, and one camera unless the sweep has an axis of them; without any, it has defaultCamera()
-/// (resolve.h). `read` reads states in which a value has been changed; `check` is called before each and may throw. Throws Error
+/// (resolve.h). A visualization's own camera is the state's only one. `read` reads states in which a value has been changed; `check` is called before each and may throw. Throws Error
 /// "SOURCE:LINE:COLUMN: ..." for a sweep that does not fit the state, or a state with its values, and Error for a picture whose
 /// file would have a name that is too long.
-SweptPictures sweptPictures(const Sweep& sweep, const State& state, const StateOfText& read,
+SweptPictures sweptPictures(const Sweep& sweep, State state, const StateOfText& read,
                             const std::function<void()>& check = {});
 
 }  // namespace gxy

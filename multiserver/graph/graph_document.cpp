@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <set>
+#include <utility>
 
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
@@ -231,16 +232,6 @@ class DocumentReading {
   void readView(json view, const std::string& path) {
     flow::ViewSpec spec;
     ViewLook look;
-    spec.name = text(view, "name", "");
-    spec.follow = flag(view, "follow", true);
-    const std::string show = text(view, "show", "together");
-    if (show != "together" && show != "as it comes")
-      throw Error("`show`: expected \"together\" or \"as it comes\", found " + inQuotes(show));
-    spec.asItComes = show == "as it comes";
-    if (const auto size = view.find("size"); size != view.end()) look.size = sizeOf(*size);
-    json camera = view.value("camera", json());
-    if (camera.is_null() && !section("Cameras").empty()) camera = section("Cameras")[0];
-    for (const char* key : {"name", "follow", "show", "size", "camera"}) view.erase(key);
     json resolved = json::array();
     if (const auto operators = view.find("operators"); operators != view.end() && operators->is_array()) {
       checkOperators(operators->size());  // before any is copied
@@ -261,40 +252,24 @@ class DocumentReading {
       }
       *operators = resolved;
     }
-    State state = stateOf(view, camera, path);
+    const bool hasCamera = view.contains("camera") || section("Cameras").empty();
+    State state = stateOf(view, hasCamera ? json() : section("Cameras")[0], path);
     look.visualization = std::move(state.visualizations.at(0));
+    const ViewSettings settings = std::exchange(look.visualization.view, {});
+    spec.name = settings.name;
+    spec.follow = settings.follow;
+    spec.asItComes = settings.asItComes;
+    look.size = settings.size;
     checkCost(look.visualization);
     bytesOfLooks_ += bytesOf(look.visualization);
     if (bytesOfLooks_ > kMostBytesOfLooks)
       throw Error("`operators`: all views have " + std::to_string(bytesOfLooks_) +
                   " bytes of them, expected at most " + std::to_string(kMostBytesOfLooks));
+    look.camera = settings.camera;
     if (!state.cameras.empty()) look.camera = state.cameras[0];
     if (spec.name.empty()) return;
     out_.looks.emplace(spec.name, std::move(look));
     out_.flow.views.push_back(std::move(spec));
-  }
-
-  static std::string text(const json& object, const char* key, const std::string& fallback) {
-    const json value = object.value(key, json(fallback));
-    if (!value.is_string()) throw Error(inQuotes(key, '`') + ": expected text, found " + foundText(value));
-    return value.get<std::string>();
-  }
-  static bool flag(const json& object, const char* key, bool fallback) {
-    const json value = object.value(key, json(fallback));
-    if (!value.is_boolean())
-      throw Error(inQuotes(key, '`') + ": expected true or false, found " + foundText(value));
-    return value.get<bool>();
-  }
-  static glm::ivec2 sizeOf(const json& size) {
-    glm::ivec2 out;
-    for (int i = 0; i < 2; i++) {
-      const bool isGood = size.is_array() && size.size() == 2 && size[size_t(i)].is_number_integer() &&
-                          size[size_t(i)].get<int64_t>() >= 1 && size[size_t(i)].get<int64_t>() <= 65536;
-      if (!isGood)
-        throw Error("`size`: expected [width, height] of 1 to 65536 pixels, found " + foundText(size));
-      out[i] = size[size_t(i)].get<int>();
-    }
-    return out;
   }
 
   void readOutputs() {

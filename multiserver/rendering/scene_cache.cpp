@@ -229,6 +229,7 @@ SceneCache::Pinned SceneCache::get(const std::string& tenant, const Visualizatio
   }
   for (int looks = 1;; looks++) {
     HeldData held = hold(tenant, visualization, shown, pinnedData, given);
+    held.resolved.view = {};  // Views differ in it, and their scene does not.
     state.visualizations = {std::move(held.resolved)};
     try {
       return {getOf(tenant, state, held, given, asker), std::move(held.pins)};

@@ -42,11 +42,12 @@ struct Viewed {
 TEST(ViewOnly, EveryVerbThatChangesSomethingIsRefused) {
   Viewed v;
   const std::set<std::string> looks{
-      "help",       "load",  "modules", "stat",       "cancel",       "echo",     "ticket",  "list",
-      "info",       "fetch", "files",   "histogram",  "range",        "wait",     "observe", "unobserve",
-      "window",     "set",   "render",  "pick",       "cancel_frame", "close",    "windows", "state",
-      "camera",     "scene", "show",    "graph.list", "get",          "numbers",  "watch",   "unwatch",
-      "graph.wait", "check", "types",   "filters",    "streams",      "triggers", "listen",  "example.range"};
+      "help",       "load",      "modules", "stat",     "cancel",    "echo",         "ticket",
+      "list",       "info",      "fetch",   "files",    "histogram", "range",        "wait",
+      "observe",    "unobserve", "window",  "set",      "render",    "pick",         "cancel_frame",
+      "close",      "windows",   "state",   "camera",   "scene",     "show",         "colormaps",
+      "graph.list", "get",       "numbers", "watch",    "unwatch",   "graph.wait",   "check",
+      "types",      "filters",   "streams", "triggers", "listen",    "example.range"};
   std::set<std::string> allowed;
   const auto help = v.viewer->expect("help");
   EXPECT_GT(help.at("verbs").size(), 55u);

@@ -127,12 +127,20 @@ class RandomState {
   }
 
   Visualization visualization() {
-    Visualization out{text(), lighting(), {}};
+    Visualization out{text(), lighting(), {}, {}};
+    if (coin()) {
+      out.view.name = "view " + std::to_string(views_++);  // each name once
+      out.view.follow = coin();
+      out.view.asItComes = coin();
+      if (coin()) out.view.camera = camera();
+      if (coin()) out.view.size = glm::ivec2(integer(1, 4000), integer(1, 4000));
+    }
     for (int i = 0, n = integer(0, 3); i < n; ++i) out.operators.push_back(vis());
     return out;
   }
 
   std::mt19937_64 engine_;
+  int views_ = 0;
 };
 
 }  // namespace gxy

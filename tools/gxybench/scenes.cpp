@@ -9,6 +9,7 @@
 
 #include "core/comm/error.h"
 #include "core/scene/state_file.h"
+#include "core/scene/state_pictures.h"
 #include "tools/gxydata/commands.h"
 
 namespace gxy::bench {
@@ -280,14 +281,14 @@ std::vector<Scene> scenesOf(const std::string& stateFile,
   for (const std::string& w : file.warnings) warn(w);
   const std::filesystem::path path = std::filesystem::absolute(stateFile);
   std::vector<Scene> scenes;
-  for (const Visualization& v : file.state.visualizations)
-    for (const Camera& camera : file.state.cameras) {
-      State state = file.state;
-      state.visualizations = {v};
-      state.cameras = {camera};
-      scenes.push_back({path.stem().string(), stateFile, state, path.parent_path().string(), {}});
-    }
-  if (scenes.empty()) throw Error(stateFile + ": there is no visualization with a camera to measure");
+  for (const StatePicture& picture : picturesOf(file.state)) {
+    State state = file.state;
+    state.visualizations = {file.state.visualizations[picture.visualization]};
+    state.visualizations[0].view = {};
+    state.cameras = {picture.camera};
+    scenes.push_back({path.stem().string(), stateFile, state, path.parent_path().string(), {}});
+  }
+  if (scenes.empty()) throw Error(stateFile + ": there is no visualization to measure");
   if (scenes.size() > 1)
     for (size_t i = 0; i < scenes.size(); i++) scenes[i].name += "-" + std::to_string(i);
   return scenes;

@@ -166,7 +166,7 @@ void widen(Truth& truth, const reference::ReferencePicture& picture) {
 
 Truth render(const State& state, const LoadedState& loaded, const Progress& progress) {
   const reference::ReferenceScene scene = referenceScene(state, loaded, 0);
-  const Camera camera = loaded.camera(state, 0, 0);
+  const Camera camera = loaded.camera(picturesOf(state).at(0));
   const bool surfaces = hasSurfaces(scene.visualization);
   const int pictures = surfaces ? 1 + kPerturbations : 1;
   reference::ReferenceOptions how;

@@ -106,7 +106,7 @@ class Worker {
         error = e.what();
       }
     });
-    frame(i, loaded_.camera(state, 0, 0), true);
+    frame(i, loaded_.camera(picturesOf(state).at(0)), true);
     renderer_.onPicture({});
     collective_.agree(kRunKey, error);
 
@@ -114,7 +114,7 @@ class Worker {
     std::vector<double> wall, cpu;
     double total = 0;
     while (int(wall.size()) < job_.repeats || (total < job_.seconds && int(wall.size()) < kMostRepeats)) {
-      const Times t = frame(i, loaded_.camera(state, 0, 0), false);
+      const Times t = frame(i, loaded_.camera(picturesOf(state).at(0)), false);
       wall.push_back(t.wall), cpu.push_back(t.cpu);
       total += t.wall;
     }

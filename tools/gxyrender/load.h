@@ -11,6 +11,7 @@
 #include "core/io/import_volume.h"
 #include "core/look/loaded_facts.h"
 #include "core/render/scene_builder.h"
+#include "core/scene/state_pictures.h"
 #include "core/space/ledger.h"
 #include "tools/gxyrender/options.h"
 
@@ -34,9 +35,9 @@ struct LoadedState {
   /// Returns visualization v of a state after resolved(), with component numbers that refer to the loaded
   /// components. The state must not show more than the one that was loaded.
   Visualization visualization(const State& state, size_t v) const;
-  /// Returns camera c of such a state, fitted() to visualization v.
-  Camera camera(const State& state, size_t v, size_t c) const {
-    return fitted(state.cameras[c], shown[v].box);
+  /// Returns the camera of a picture of such a state, after fitted().
+  Camera camera(const StatePicture& picture) const {
+    return fitted(picture.camera, shown[picture.visualization].box);
   }
 
  private:

@@ -129,21 +129,21 @@ Steps readOnAll(const RenderOptions& options, Collective& collective, bool root)
 double renderAll(const State& state, const LoadedState& loaded, const RenderOptions& options,
                  Renderer& renderer, const Place& at) {
   std::atomic<double> cpuPictures = 0;
-  const size_t n = state.visualizations.size();  // frames are camera-major
+  const std::vector<StatePicture> pictures = picturesOf(state);
   Frames frames;
-  frames.count = state.cameras.size() * n;
+  frames.count = pictures.size();
   frames.concurrent = options.concurrent;
   frames.request = [&](size_t frame) {
     FrameRequest request;
-    request.scene = frame % n;
-    request.camera = loaded.camera(state, frame % n, frame / n);
+    request.scene = pictures[frame].visualization;
+    request.camera = loaded.camera(pictures[frame]);
     request.depth = options.depth;
     return request;
   };
   frames.take = [&](size_t frame, const FrameRequest&, Picture picture) {
     const double cpu = threadCpuSeconds();
-    annotate(picture, state, loaded, options, frame % n, frame / n);
-    writePicture(pictureName(state, options, frame % n, frame / n), options, std::move(picture));
+    annotate(picture, state, loaded, options, frame);
+    writePicture(pictureName(state, options, frame), options, std::move(picture));
     cpuPictures += threadCpuSeconds() - cpu;
   };
   frames.show = [&](size_t done) {
@@ -227,7 +227,7 @@ std::vector<ShownSoFar> renderStep(const State& state, const std::string& direct
                          {"ranks", at.transport.size()},
                          {"threads per rank", at.transport.threads()},
                          {"partitions", loaded.partitioning->partitions()},
-                         {"pictures", state.cameras.size() * state.visualizations.size()},
+                         {"pictures", picturesOf(state).size()},
                          {"tolerance", state.settings.tolerance},
                          {"step", state.settings.step}},
                         all);
@@ -251,7 +251,7 @@ int run(const RenderOptions& options) {
       const double begin = wallSeconds();
       const Steps steps = readOnAll(options, collective, root);
       const State& state = steps.state;
-      for (const Camera& camera : state.cameras) validate(camera);
+      for (const StatePicture& picture : picturesOf(state)) validate(picture.camera);
       Ledger ledger;
       const BackendRegistry registry = allBackends({options.device, transport.rankOnNode()});
       std::unique_ptr<Backend> backend;
@@ -278,10 +278,10 @@ int run(const RenderOptions& options) {
               steps.at(step), steps.directory, numbered,
               {transport, collective, ranks, ledger, *backend, filterPlace->services(), root, showProgress},
               std::move(shown));
-        numbered.firstPicture += state.cameras.size() * state.visualizations.size();
+        numbered.firstPicture += picturesOf(state).size();
       }
       if (root && !options.quiet && !state.visualizations.empty())
-        std::cerr << numbered.firstPicture << " picture(s) " << pictureName(state, options, 0, 0) << "."
+        std::cerr << numbered.firstPicture << " picture(s) " << pictureName(state, options, 0) << "."
                   << options.format << " ... in " << wallSeconds() - begin << " s\n";
     } catch (const std::exception& e) {
       if (root) std::cerr << "gxyrender: error: " << textOf(e) << '\n';

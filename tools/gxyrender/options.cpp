@@ -40,8 +40,10 @@ void RenderOptions::apply(State& state) const {
   if (tolerance) state.settings.tolerance = *tolerance;
   if (step) state.settings.step = *step;
   if (annotate) state.annotations.legend = state.annotations.axes = state.annotations.outline = true;
-  if (size)
+  if (size) {
     for (Camera& c : state.cameras) c.dimensions = {(*size)[0], (*size)[1]};
+    for (Visualization& v : state.visualizations) v.view.size = {(*size)[0], (*size)[1]};
+  }
 }
 
 std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOptions& o) {
@@ -55,7 +57,8 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
       "  gxyrender density.vti halos.vtp --iso 0.3  a surface in it, and points\n"
       "  gxyrender 'step_*.vti'                     a picture for each file (also step_%04d.vti)\n"
       "  gxyrender scene.json --cinema sweep.json   a Cinema database: image.cdb, with a page to browse it\n"
-      "Pictures are PREFIX_00000.png, ...: all visualizations of the first camera, then of the next.");
+      "Pictures are PREFIX_00000.png, ...: all visualizations of the first camera, then of the next. Views "
+      "are rendered with their own camera alone.");
   std::string size, partitions;
   app.add_option("FILE", o.files,
                  "State file (docs/state-file.md), or data files, together in one picture; gxydata scene "

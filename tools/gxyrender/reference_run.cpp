@@ -34,28 +34,27 @@ std::vector<ShownSoFar> renderWithReference(const State& state, const std::strin
   }
   const LoadedState loaded = loadData(state, directory, whole, alone, ledger, std::move(shown),
                                       standardFilters(), place ? place->services() : FilterServices());
-  for (size_t c = 0; c < state.cameras.size(); c++)
-    for (size_t v = 0; v < state.visualizations.size(); v++) {
-      const reference::ReferenceScene scene = referenceScene(state, loaded, v);
-      const std::string name = pictureName(state, options, v, c);
-      reference::ReferenceOptions how;
-      how.threads = options.threads;
-      const int aoCount = scene.visualization.lighting.aoCount;
-      how.aoHook = occlusionDirections(aoCount, state.cameras[c].dimensions.x, 0);
-      if (progress)
-        how.progress = [&](double f) {
-          std::cerr << '\r' << name << ' ' << int(100 * f) << " %" << std::flush;
-        };
-      reference::ReferencePicture picture =
-          reference::renderReference(scene, loaded.camera(state, v, c), how);
-      if (progress) std::cerr << '\n';
-      reference::applyBackground(picture, state.settings);
-      Picture out{
-          picture.width, picture.height, LargeVector<float>(picture.rgba.begin(), picture.rgba.end()), {}};
-      if (options.depth) out.depth = std::move(picture.depth);
-      annotate(out, state, loaded, options, v, c);
-      writePicture(name, options, std::move(out));
-    }
+  const std::vector<StatePicture> pictures = picturesOf(state);
+  for (size_t i = 0; i < pictures.size(); i++) {
+    const reference::ReferenceScene scene = referenceScene(state, loaded, pictures[i].visualization);
+    const std::string name = pictureName(state, options, i);
+    reference::ReferenceOptions how;
+    how.threads = options.threads;
+    const int aoCount = scene.visualization.lighting.aoCount;
+    how.aoHook = occlusionDirections(aoCount, pictures[i].camera.dimensions.x, 0);
+    if (progress)
+      how.progress = [&](double f) {
+        std::cerr << '\r' << name << ' ' << int(100 * f) << " %" << std::flush;
+      };
+    reference::ReferencePicture picture = reference::renderReference(scene, loaded.camera(pictures[i]), how);
+    if (progress) std::cerr << '\n';
+    reference::applyBackground(picture, state.settings);
+    Picture out{
+        picture.width, picture.height, LargeVector<float>(picture.rgba.begin(), picture.rgba.end()), {}};
+    if (options.depth) out.depth = std::move(picture.depth);
+    annotate(out, state, loaded, options, i);
+    writePicture(name, options, std::move(out));
+  }
   return loaded.shown;
 }
 

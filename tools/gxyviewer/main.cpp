@@ -85,17 +85,22 @@ Whole wholeOf(const ViewOptions& options) {
   if (state.visualizations.empty())
     throw Error(first + ": it has no `Visualization`, expected one, with operators");
   if (state.cameras.empty()) state.cameras = {defaultCamera()};
-  if (options.size) state.cameras[0].dimensions = *options.size;
+  if (options.size) {
+    state.cameras[0].dimensions = *options.size;
+    if (state.visualizations[0].view.camera) state.visualizations[0].view.size = *options.size;
+  }
   return whole;
 }
 
 /// Returns the state with all cameras after fitted(). Waits for the data if a camera has `fit`.
 State withFittedCameras(State state, RemoteWindow& remote) {
-  const auto fits = [](const Camera& camera) { return camera.fit; };
-  if (std::none_of(state.cameras.begin(), state.cameras.end(), fits)) return state;
-  remote.waitUntilLoaded();
-  for (Camera& camera : state.cameras)
-    if (camera.fit) camera = remote.fittedCamera(camera);
+  std::vector<Camera*> cameras;
+  for (Camera& camera : state.cameras) cameras.push_back(&camera);
+  for (Visualization& v : state.visualizations)
+    if (v.view.camera) cameras.push_back(&*v.view.camera);
+  std::erase_if(cameras, [](const Camera* camera) { return !camera->fit; });
+  if (!cameras.empty()) remote.waitUntilLoaded();
+  for (Camera* camera : cameras) *camera = remote.fittedCamera(*camera);
   return state;
 }
 
@@ -116,7 +121,7 @@ int run(const ViewOptions& options) {
       if (whole.series.count() > 1) remote.drop(whole.state.datasets);  // Nobody else uses them.
     });
     const State seen = withFittedCameras(whole.state, remote);
-    remote.setCamera(seen.cameras[0]);
+    remote.setCamera(Selection(seen).camera());
     const auto newer = [&]() -> std::optional<State> {
       if (!stateFile || !stateFile->changed(FileWatch::Clock::now())) return std::nullopt;
       return withFittedCameras(wholeOf(options).state, remote);

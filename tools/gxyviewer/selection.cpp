@@ -63,21 +63,33 @@ std::string Selection::operatorText() const {
          kTypes[size_t(vis.type)] + " " + vis.dataset + range;
 }
 
+Camera Selection::camera() const {
+  Camera camera = view().camera.value_or(state_.cameras[camera_]);
+  if (view().size) camera.dimensions = *view().size;
+  return camera;
+}
+
 State Selection::shown() const {
-  return {state_.datasets, state_.settings,    {state_.visualizations[visualization_]},
-          {camera()},      state_.annotations, {}};
+  State shown{state_.datasets, state_.settings,    {state_.visualizations[visualization_]},
+              {camera()},      state_.annotations, {}};
+  shown.visualizations[0].view = {};
+  return shown;
 }
 
 State Selection::with(const Camera& camera) const {
   State state = state_;
-  state.cameras[camera_] = camera;
+  ViewSettings& view = state.visualizations[visualization_].view;
+  if (view.size) view.size = camera.dimensions;
+  (view.camera ? *view.camera : state.cameras[camera_]) = camera;
   return state;
 }
 
 std::string Selection::text() const {
   const std::string first = place("visualization", visualization_, state_.visualizations.size(),
                                   state_.visualizations[visualization_].annotation),
-                    second = place("camera", camera_, state_.cameras.size(), camera().annotation);
+                    second = view().camera
+                                 ? std::string()
+                                 : place("camera", camera_, state_.cameras.size(), camera().annotation);
   return first + (first.empty() || second.empty() ? "" : ", ") + second;
 }
 

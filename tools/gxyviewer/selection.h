@@ -36,10 +36,11 @@ class Selection {
   /// Returns text for users: "operator 1 of 2, Volume balls: data range 0 to 1.7".
   std::string operatorText() const;
 
-  const Camera& camera() const { return state_.cameras[camera_]; }
+  /// The selected visualization's own camera, if it has one, else the selected one.
+  Camera camera() const;
   /// Returns a state with only the selected visualization and camera.
   State shown() const;
-  /// Returns the whole state, in which `camera` replaces the selected camera.
+  /// Returns the whole state, in which `camera` replaces camera().
   State with(const Camera& camera) const;
   /// Returns text for users: "visualization 2 of 3, NAME, camera 1 of 2". If there is only one of either, it
   /// is not mentioned.
@@ -48,6 +49,7 @@ class Selection {
  private:
   static size_t next(size_t at, size_t of, int by) { return (at + of + size_t(by)) % of; }
 
+  const ViewSettings& view() const { return state_.visualizations[visualization_].view; }
   std::vector<Vis>& operators() { return state_.visualizations[visualization_].operators; }
 
   State state_, original_;

@@ -9,49 +9,7 @@ import { type Catalogue, type Property, plainText } from '../graph/catalogue';
 import type { Edit } from '../graph/edits';
 import { type Json, member, textOf } from '../graph/json';
 import { type GraphNode, lookType } from '../graph/nodes';
-import { valueType } from '../graph/value_type';
 import { Field } from './fields';
-
-const VIEW_KEYS: readonly (readonly [
-  key: string,
-  type: string,
-  preset: string,
-  help: string,
-  advanced?: boolean,
-])[] = [
-  [
-    'size',
-    '[width, height], whole numbers 1 to 65536',
-    '',
-    'Pixels of the pictures that outputs make of it.',
-  ],
-  ['camera', 'object, as in `Cameras`', 'fitted to the data', 'From where it looks.'],
-  ['follow', 'true or false', '`true`', 'Whether newer data are shown by themselves.'],
-  [
-    'show',
-    '"together" or "as it comes"',
-    '`"together"`',
-    'Whether the picture changes when all that it shows is there, or data by data.',
-  ],
-  ['Lighting', 'object', 'none', 'How surfaces are lit.', true],
-  ['annotation', 'text', 'empty', "Becomes part of the picture's name.", true],
-];
-
-const viewProperties: readonly Property[] = VIEW_KEYS.map(
-  ([key, typeText, defaultText, help, isAdvanced = false]) => ({
-    ...{
-      key,
-      typeText,
-      defaultText,
-      help,
-      isAdvanced,
-      type: valueType(typeText),
-      aliases: [],
-      isRequired: false,
-    },
-    ...{ appliesTo: [], needs: '' },
-  }),
-);
 
 // What edges and the name's field say already, and what is not accepted.
 const NOT_IN_FORMS = ['name', 'inputs', 'filter', 'dataset', 'of', 'operators', 'key'];
@@ -71,7 +29,7 @@ export function propertiesOf(node: GraphNode, catalogue: Catalogue): readonly Pr
     case 'look':
       return section('operator').filter(suits);
     case 'view':
-      return viewProperties;
+      return section('visualization').filter(suits);
     case 'output':
       return section('output').filter(suits);
     default:

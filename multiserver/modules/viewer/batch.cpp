@@ -10,7 +10,7 @@
 #include "core/annotate/annotations.h"
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
-#include "core/scene/picture_name.h"
+#include "core/scene/state_pictures.h"
 #include "multiserver/protocol/file_record.h"
 #include "multiserver/protocol/json.h"
 #include "multiserver/rendering/cost.h"
@@ -367,13 +367,16 @@ class Run {
 }  // namespace
 
 void addPictures(BatchRender& batch, const State& state, const std::string& prefix) {
-  const size_t n = state.visualizations.size(), total = state.cameras.size() * n;
-  checkCount(total);
+  const std::vector<StatePicture> pictures = picturesOf(state);
+  checkCount(pictures.size());
   batch.datasets = state.datasets;
   for (const Visualization& visualization : state.visualizations)
     batch.scenes.push_back({visualization, state.settings, state.annotations});
-  for (size_t i = 0; i < total; i++)
-    batch.pictures.push_back({i % n, state.cameras[i / n], pictureName(prefix, state, i)});
+  for (size_t i = 0; i < pictures.size(); i++) {
+    const StatePicture& p = pictures[i];
+    batch.pictures.push_back(
+        {p.visualization, p.camera, pictureName(prefix, i, state.visualizations[p.visualization], p.camera)});
+  }
 }
 
 json renderBatch(Services& services, Request& request, const BatchRender& batch) {

@@ -10,6 +10,7 @@
 #include "core/data/dataset.h"
 #include "core/rays/compiled_mesh.h"
 #include "core/scene/camera.h"
+#include "core/scene/colormaps.h"
 #include "core/scene/json_text.h"
 #include "core/scene/state_file.h"
 #include "multiserver/modules/viewer/batch.h"
@@ -18,6 +19,7 @@
 #include "multiserver/modules/viewer/members.h"
 #include "multiserver/modules/viewer/pick.h"
 #include "multiserver/modules/viewer/window.h"
+#include "multiserver/modules/viewer/windows.h"
 #include "multiserver/protocol/json.h"
 #include "multiserver/rendering/cost.h"
 #include "multiserver/server/filter_runs.h"
@@ -27,81 +29,6 @@ namespace {
 
 using nlohmann::json;
 using protocol::Arguments;
-using WindowPtr = std::shared_ptr<Window>;
-
-/// A session's windows. Its end closes them; they render no more from when its client has gone.
-class Windows {
- public:
-  explicit Windows(Session& session) : session_(session) {
-    // The observer may still be running when the session ends. So it looks whether the list is still there.
-    subscription_ = session.serverRank().datasets->observe(
-        [weak = std::weak_ptr(list_), tenant = session.tenant()](const DatasetEvent& event) {
-          const auto list = weak.lock();
-          if (!list || !event.visibleTo(tenant)) return;
-          for (const auto& [id, window] : list->all()) window->onData(event);
-        });
-    // Windows are told whatever the tenant can see now: they may still show data that it no longer sees.
-    wanted_ =
-        session.serverRank().observers.subscribe({}, [weak = std::weak_ptr(list_)](const ObjectEvent& event) {
-          if (event.kind != ObjectEvent::Kind::Wanted) return;
-          if (const auto list = weak.lock())
-            for (const auto& [id, window] : list->all()) window->onWanted(event.key, event.generation);
-        });
-    // The session ends after all its requests, which may take a while.
-    session.outbox().onClose([weak = std::weak_ptr(list_), &transport = session.serverRank().transport] {
-      transport.post([weak] {
-        if (const auto list = weak.lock()) list->endFrames();
-      });
-    });
-  }
-  ~Windows() {
-    subscription_ = nullptr;
-    wanted_.end();
-    list_->endFrames();
-    for (const auto& [id, window] : list_->all()) window->close();
-  }
-
-  std::map<uint32_t, WindowPtr> all() const { return list_->all(); }
-  WindowPtr get(uint32_t id) const {
-    const std::lock_guard lock(list_->mutex);
-    const auto at = list_->windows.find(id);
-    if (at == list_->windows.end())
-      throw Error("window " + std::to_string(id) + ": there is none, expected one made by `window`");
-    return at->second;
-  }
-  WindowPtr make(uint32_t id, Services& services, const std::shared_ptr<Outbox>& outbox) {
-    const std::lock_guard lock(list_->mutex);
-    auto& windows = list_->windows;
-    if (const auto at = windows.find(id); at != windows.end()) return at->second;
-    if (windows.size() >= session_.limits().windows)
-      throw Error("window " + std::to_string(id) + ": there are " + std::to_string(windows.size()) +
-                  ", expected no more; `close` one");
-    return windows[id] = std::make_shared<Window>(services, outbox, session_.tenant(), id);
-  }
-  void close(uint32_t id) {
-    get(id)->close();
-    const std::lock_guard lock(list_->mutex);
-    list_->windows.erase(id);
-  }
-
- private:
-  struct List {
-    mutable std::mutex mutex;
-    std::map<uint32_t, WindowPtr> windows;
-    std::map<uint32_t, WindowPtr> all() const {
-      const std::lock_guard lock(mutex);
-      return windows;
-    }
-    // Of all windows before any of them is waited for.
-    void endFrames() const {
-      for (const auto& [id, window] : all()) window->endFrames();
-    }
-  };
-  Session& session_;
-  const std::shared_ptr<List> list_ = std::make_shared<List>();
-  std::shared_ptr<void> subscription_;
-  Observers::Subscription wanted_;
-};
 
 std::shared_ptr<Windows> windowsOf(Session& session) {
   return session.state<Windows>([&] { return std::make_shared<Windows>(session); });
@@ -168,12 +95,14 @@ json set(Request& request, Arguments arguments) {
     Session& session = request.session();
     memory = session.serverRank().takeMemory(session.tenant(), "windows", bytesOf(visualizations[0]));
   }
-  if (!file.state.cameras.empty()) validate(file.state.cameras[0]);
+  const Camera* camera = file.state.cameras.empty() ? nullptr : &file.state.cameras[0];
+  if (!visualizations.empty() && visualizations[0].view.camera) camera = &*visualizations[0].view.camera;
+  if (camera) validate(*camera);
   for (std::string& w : importMissing(request, file.state.datasets)) file.warnings.push_back(std::move(w));
   if (!visualizations.empty()) warnOfData(request, visualizations[0], file.warnings);
   if (file.hasRenderer) window->setRenderer(file.state.settings);
   if (!visualizations.empty()) window->setVisualization(visualizations[0], std::move(memory));
-  if (!file.state.cameras.empty()) window->setCamera(file.state.cameras[0]);
+  if (camera) window->setCamera(*camera);
   return {{"warnings", file.warnings}, {"text", linesOf(file.warnings)}};
 }
 
@@ -462,6 +391,20 @@ json show(Services& services, Request& request, Arguments arguments) {
   return result;
 }
 
+json colormaps(Request&, Arguments arguments) {
+  arguments.expectEnd();
+  json maps = json::array();
+  std::string text;
+  for (const std::string_view name : shippedColorMaps()) {
+    json colors = json::array();
+    const ColorMap map = shippedColorMap(name).value();
+    for (const ColorPoint& p : map.points) colors.push_back({p.value, p.rgb.x, p.rgb.y, p.rgb.z});
+    maps.push_back({{"name", name}, {"colors", std::move(colors)}});
+    text += (text.empty() ? "" : "\n") + std::string(name);
+  }
+  return {{"maps", std::move(maps)}, {"text", std::move(text)}};
+}
+
 // Windows belong to their session, so what makes and changes them looks. `set` and `show` import nothing for a view-only
 // session (FilterRuns::importAndMake).
 Verb verb(std::string name, std::string arguments, std::string help, Order order,
@@ -498,6 +441,8 @@ GALAXY_MODULE(registration) {
            "The window's camera, or the one given, where its `fit` puts it, and the box and the "
            "ranges of the data shown.",
            Order::InTurn, camera));
+  registration.verb(
+      verb("colormaps", "", "The colour maps that the server ships.", Order::InTurn, colormaps));
   registration.verb(verb("scene", "NAME... [JSON]", "A state document that shows datasets or data files.",
                          Order::Aside, [&s](Request& r, Arguments a) { return scene(s, r, std::move(a)); }));
   registration.verb(verb("show", "NAME... [JSON] | ID {\"graph\": NAME, \"view\": NAME}",
