@@ -10,11 +10,9 @@ export class Browser {
 
   private constructor(private readonly chromium: Chromium) {}
 
-  static async start(): Promise<Browser> {
-    const root = process.getuid?.() === 0;
-    return new Browser(
-      await chromium.launch({ executablePath: '/usr/bin/chromium', args: root ? ['--no-sandbox'] : [] }),
-    );
+  static async start(options: readonly string[] = []): Promise<Browser> {
+    const args = [...options, ...(process.getuid?.() === 0 ? ['--no-sandbox'] : [])];
+    return new Browser(await chromium.launch({ executablePath: '/usr/bin/chromium', args }));
   }
 
   /** A page in a context of its own, as of another user. What it does wrong is kept for check(). */
