@@ -50,15 +50,19 @@ export async function savedGraph(page: Page): Promise<Record<string, unknown>> {
   return JSON.parse(content.toString()) as Record<string, unknown>;
 }
 
-/** Drags from the middle of one element to that of another, as a hand does. */
+/**
+ * Drags from the middle of one element to that of another, as a hand does. Waits until both rest and nothing covers them: the canvas
+ * may still be moving.
+ */
 export async function drag(page: Page, from: Locator, to: Locator | { x: number; y: number }): Promise<void> {
   const middle = async (of: Locator): Promise<{ x: number; y: number }> => {
+    await of.hover({ trial: true });
     const box = await of.boundingBox();
     if (!box) throw new Error('what is to be dragged is not shown');
     return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
   };
-  const a = await middle(from);
   const b = 'x' in to ? to : await middle(to);
+  const a = await middle(from);
   await page.mouse.move(a.x, a.y);
   await page.mouse.down();
   await page.mouse.move((a.x + b.x) / 2, (a.y + b.y) / 2, { steps: 4 });

@@ -26,6 +26,7 @@ import {
   useState,
 } from 'react';
 import { type Position, positionOf } from '../graph/changes';
+import { member, objectsIn } from '../graph/json';
 import { type GraphEdge, type NodeGraph, edgeProblem } from '../graph/nodes';
 import type { GraphSnapshot } from '../graph/session';
 import {
@@ -115,6 +116,8 @@ function edgesOf(graph: NodeGraph, before: readonly Edge[]): Edge[] {
   }));
 }
 
+const SECTIONS = ['Datasets', 'Operators', 'Visualizations', 'Outputs'] as const;
+
 function Canvas() {
   const graph = useNodeGraph();
   const snapshot = useSnapshot();
@@ -136,9 +139,13 @@ function Canvas() {
     setEdges(edgesOf(graph, edges));
   }
 
+  // A graph that is opened fits into the canvas. One without nodes does not: React Flow would move the canvas once the first is there,
+  // while the user works on it.
   const isLoaded = snapshot?.isLoaded === true;
   useEffect(() => {
-    if (!isLoaded) return;
+    const document = session?.snapshot.document ?? {};
+    const isEmpty = SECTIONS.every((section) => objectsIn(member(document, section)).length === 0);
+    if (!isLoaded || isEmpty) return;
     const timer = setTimeout(() => void flow.fitView({ maxZoom: 1, padding: 0.08 }), 50);
     return () => clearTimeout(timer);
   }, [isLoaded, session, flow]);
