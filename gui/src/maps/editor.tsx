@@ -55,7 +55,11 @@ function Axes({ maps }: { readonly maps: LookMaps }) {
   const choice = (label: string, isLog: boolean, set: (isLog: boolean) => void) => (
     <label>
       {label}{' '}
-      <select value={isLog ? 'log' : 'linear'} onChange={(event) => set(event.target.value === 'log')}>
+      <select
+        aria-label={`Axis of ${label}`}
+        value={isLog ? 'log' : 'linear'}
+        onChange={(event) => set(event.target.value === 'log')}
+      >
         <option value="linear">linear</option>
         <option value="log">log</option>
       </select>

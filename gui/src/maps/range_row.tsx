@@ -63,6 +63,9 @@ export function RangeRow({ node, maps, now, seen, points }: RangeRowProps) {
       </select>
       {maps.rangeKind === 'numbers' && maps.range && (
         <span className="map-range">
+          <label className="unseen" htmlFor={`${id}-numbers`}>
+            Ends of the range
+          </label>
           <Field
             id={`${id}-numbers`}
             name="map range"
