@@ -87,7 +87,7 @@ export function roundNumbers([lo, hi]: Range): readonly number[] {
     power,
   );
   const numbers: number[] = [];
-  for (let k = Math.ceil(lo / step); k * step <= hi && numbers.length < 8; k++) numbers.push(k * step);
+  for (let k = Math.ceil(lo / step); k * step <= hi && numbers.length < 8; k++) numbers.push(k * step + 0);
   return numbers;
 }
 

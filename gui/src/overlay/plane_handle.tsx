@@ -121,7 +121,7 @@ function Grips({ of, view, box, hands, onLookAt, anchor, at, path, setHeld }: Gr
   const ends = [-Infinity, Infinity].map((d) => withinBox([plane[0], plane[1], plane[2], d], box)[3]);
   return (
     <>
-      <path className="hit" d={path} onDoubleClick={lookAt} {...slide} />
+      <path className="hit" tabIndex={-1} d={path} onDoubleClick={lookAt} {...slide} />
       <path className="halo" d={`M${at.x} ${at.y}L${shownTip.x} ${shownTip.y}`} />
       <path className="arrow" d={`M${at.x} ${at.y}L${shownTip.x} ${shownTip.y}`} />
       <circle

@@ -8,6 +8,7 @@ import type { FrameEnded, PassShown } from '../worker/messages';
 import { type Box, boxFrom, type Camera, cameraFrom, cameraJson, rangesFrom, type Size } from './camera';
 import { FrameCameras } from './frame_cameras';
 import { FramesAsked } from './frames_asked';
+import { type Frame, NO_FRAME, statusText } from './frame_status';
 import { type Detail, Pace } from './pace';
 import type { Pictures } from './pictures';
 
@@ -39,22 +40,6 @@ export interface Seen {
   readonly ranges: readonly (readonly [number, number] | null)[];
 }
 
-interface Frame {
-  number: number;
-  shown: boolean; // its first pass is
-  scale: number;
-  pass: number;
-  ended: boolean;
-  lossless: boolean;
-  status: string;
-  error: string;
-  seconds: number;
-}
-
-const NO_FRAME: Frame = {
-  ...{ number: 0, shown: false, scale: 0, pass: 0, ended: false, lossless: false },
-  ...{ status: '', error: '', seconds: 0 },
-};
 const REST = 250; // After so many milliseconds without a new camera, the camera rests.
 const UNDER_WAY = 2;
 const AGAIN = 1000;
@@ -230,7 +215,10 @@ export class RemoteWindow {
   get status(): WindowStatus {
     const { frame } = this;
     return {
-      text: this.statusText(),
+      text: statusText(frame, {
+        ...{ isReady: this.ready, passes: this.passes, progress: this.progress },
+        error: this.setError || this.renderError,
+      }),
       whole:
         this.cameraSent &&
         !this.movingSent &&
@@ -244,24 +232,6 @@ export class RemoteWindow {
       passes: this.passes,
       generations: this.generations,
     };
-  }
-
-  private statusText(): string {
-    const { frame } = this;
-    const why =
-      this.setError || this.renderError || (frame.ended && frame.status === 'failed' ? frame.error : '');
-    if (this.progress) return this.progress;
-    if (why) return `error: ${why}`;
-    if (!this.ready) return 'loading data ...';
-    if (frame.number === 0) return 'waiting for the first picture ...';
-    if (!frame.lossless) {
-      const coarse = frame.scale > 1 ? `, 1 of ${frame.scale} x ${frame.scale} pixels` : '';
-      return `moving: JPEG${coarse}`;
-    }
-    if (frame.scale !== 1) return 'rendering ...';
-    const passes = `${frame.pass + 1} of ${this.passes} passes`;
-    if (!frame.ended) return `lossless, refining: ${passes}`;
-    return `lossless, ${passes}, ${frame.seconds.toFixed(2)} s`;
   }
 
   // Makes the window on the server, and tells it what to show.
