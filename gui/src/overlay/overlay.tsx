@@ -4,6 +4,7 @@ import { type KeyboardEvent, useEffect, useMemo, useState, useSyncExternalStore 
 import { useGraphStore } from '../canvas/graph_store';
 import type { JsonObject } from '../graph/json';
 import { type ShippedMap, shippedMaps } from '../maps/colormaps';
+import type { Size } from '../view/camera';
 import type { Seen } from '../view/remote_window';
 import type { View } from '../view/view';
 import { HandEdits, withDraft } from './hand_edits';
@@ -102,7 +103,7 @@ function OfDocument({
           ))}
         </svg>
       )}
-      {shown.legend && <OfLook {...{ looks: held, seen, hands, canEdit, height: projection.size.height }} />}
+      {shown.legend && <OfLook {...{ looks: held, seen, hands, canEdit, size: projection.size }} />}
     </div>
   );
 }
@@ -119,17 +120,18 @@ interface OfLookProps {
   readonly seen: Seen;
   readonly hands: HandEdits;
   readonly canEdit: boolean;
-  readonly height: number;
+  readonly size: Size;
 }
 
 const HIGHEST = 220;
 const LOWEST = 70;
+const NARROWEST = 250; // pixels of a picture that has room for a legend
 
 /** The legend of the first look that has one. */
-function OfLook({ looks, seen, hands, canEdit, height }: OfLookProps) {
+function OfLook({ looks, seen, hands, canEdit, size }: OfLookProps) {
   const shipped = useShippedMaps();
-  const bar = Math.min(HIGHEST, height - 110);
-  if (bar < LOWEST) return null;
+  const bar = Math.min(HIGHEST, size.height - 110);
+  if (bar < LOWEST || size.width < NARROWEST) return null;
   for (const look of looks) {
     const legend = legendOf(look, seen.ranges[look.index] ?? null, shipped);
     if (legend)
