@@ -67,10 +67,10 @@ export async function savePicture(view: View): Promise<void> {
   }
 }
 
-/** Says what surface is under the mouse. */
+/** Shows what surface is under the mouse. */
 async function pick(view: View): Promise<void> {
   try {
-    say(await view.pick());
+    await view.pick();
   } catch (error) {
     fail(error);
   }

@@ -8,11 +8,14 @@ const MOUSE = [
   ['middle drag, Shift + left drag', 'pan'],
   ['right drag, wheel', 'zoom'],
   ['Ctrl + left drag', 'roll'],
+  ['drag of a handle', 'moves a slice, a clip plane or an isovalue; its arrow turns it'],
+  ['double click on a handle', 'look at the plane'],
   ['one finger', 'rotate'],
   ['two fingers', 'pan and zoom'],
 ] as const;
 const PAGE = [
-  ['i', 'what surface is under the mouse'],
+  ['i, Ctrl + click', 'what surface is under the mouse'],
+  ['Escape', 'takes the picked point away; while a handle is dragged, brings it back'],
   ['p', 'save the picture as PNG'],
   ['w', 'save the state file, with the camera of now'],
   ['?, h', 'this help'],

@@ -29,25 +29,26 @@ export interface Axes {
 
 export type Box = readonly [Vec3, Vec3];
 
-function vectorOf(value: Json | undefined, name: string): Vec3 {
+/** Reads three numbers. Throws an Error that says `name` if they are others. */
+export function vectorIn(value: Json | undefined, name: string): Vec3 {
   const [x, y, z] = Array.isArray(value) ? value : [];
   if (typeof x !== 'number' || typeof y !== 'number' || typeof z !== 'number')
-    throw new Error(`camera \`${name}\`: expected three numbers`);
+    throw new Error(`${name}: expected three numbers`);
   return [x, y, z];
 }
 
 /** Reads the camera that the server has sent. Throws an Error if that is none. */
 export function cameraFrom(json: Json | undefined): Camera {
   if (!isObject(json)) throw new Error('camera: expected an object');
-  const viewpoint = vectorOf(json['viewpoint'], 'viewpoint');
+  const viewpoint = vectorIn(json['viewpoint'], 'camera `viewpoint`');
   const viewdirection = json['viewcenter']
-    ? subtract(vectorOf(json['viewcenter'], 'viewcenter'), viewpoint)
-    : vectorOf(json['viewdirection'], 'viewdirection');
+    ? subtract(vectorIn(json['viewcenter'], 'camera `viewcenter`'), viewpoint)
+    : vectorIn(json['viewdirection'], 'camera `viewdirection`');
   const { aov, height } = json;
   return {
     viewpoint,
     viewdirection,
-    viewup: vectorOf(json['viewup'], 'viewup'),
+    viewup: vectorIn(json['viewup'], 'camera `viewup`'),
     aov: typeof aov === 'number' ? aov : 30,
     height: typeof height === 'number' ? height : 1,
   };
@@ -64,7 +65,16 @@ export function cameraJson(camera: Camera): JsonObject {
 }
 
 export function boxFrom(json: Json | undefined): Box | null {
-  return Array.isArray(json) ? [vectorOf(json[0], 'box'), vectorOf(json[1], 'box')] : null;
+  return Array.isArray(json) ? [vectorIn(json[0], 'box'), vectorIn(json[1], 'box')] : null;
+}
+
+/** Reads the ranges that the server has sent, one for each operator. */
+export function rangesFrom(json: Json | undefined): (readonly [number, number] | null)[] {
+  if (!Array.isArray(json)) return [];
+  return json.map((range) => {
+    const [least, most] = Array.isArray(range) ? range : [];
+    return typeof least === 'number' && typeof most === 'number' ? [least, most] : null;
+  });
 }
 
 /** As core/scene/camera.cpp: a `viewup` that is zero or parallel to the view is replaced by the axis farthest from the view. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What keys do in a view: those of docs/viewer.md, and arrows, which turn.
+import { useOverlays } from '../overlay/overlay_state';
 import type { View } from './view';
 
 export interface Key {
@@ -94,6 +95,24 @@ export const KEYS: Key[] = [
     actions: [
       (view) => {
         view.turnSpin();
+      },
+    ],
+  },
+  {
+    keys: ['a'],
+    help: 'legend, axes and box of the data, on and off',
+    actions: [
+      () => {
+        useOverlays.getState().toggleAnnotations();
+      },
+    ],
+  },
+  {
+    keys: ['g'],
+    help: 'handles of slices and clip planes, on and off',
+    actions: [
+      () => {
+        useOverlays.getState().toggle('handles');
       },
     ],
   },

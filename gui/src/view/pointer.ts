@@ -16,10 +16,14 @@ function motionOf(event: PointerEvent): Motion | null {
 const middleOf = (a: Place, b: Place): Place => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 });
 const distance = (a: Place, b: Place) => Math.max(1, Math.hypot(a.x - b.x, a.y - b.y));
 
-/** Moves the view's camera by what happens on its element, until the function that is returned is called. */
-export function listen(element: HTMLElement, view: View): () => void {
+const CLICK = 3; // pixels that a hand may move in a click
+
+/** Moves the view's camera by what happens on its element, and calls `onPick` for Ctrl + click, until the function that is returned is called. */
+export function listen(element: HTMLElement, view: View, onPick: () => void): () => void {
   const held = new Map<number, Place>();
   let motion: Motion | null = null;
+  let pressed: Place = { x: 0, y: 0 };
+  let hasMoved = false; // away from there
 
   function placeOf(event: MouseEvent): Place {
     const box = element.getBoundingClientRect();
@@ -28,7 +32,11 @@ export function listen(element: HTMLElement, view: View): () => void {
   }
 
   function down(event: PointerEvent): void {
-    if (held.size === 0) motion = motionOf(event);
+    if (held.size === 0) {
+      motion = motionOf(event);
+      hasMoved = false;
+      view.under = pressed = placeOf(event);
+    }
     if (motion === null || held.size === 2) return;
     element.focus();
     element.setPointerCapture(event.pointerId);
@@ -41,6 +49,7 @@ export function listen(element: HTMLElement, view: View): () => void {
     view.under = placeOf(event);
     if (!from || motion === null) return;
     const to = placeOf(event);
+    hasMoved ||= distance(pressed, to) > CLICK;
     const other = [...held].find(([id]) => id !== event.pointerId)?.[1];
     held.set(event.pointerId, to);
     if (!other) {
@@ -52,7 +61,8 @@ export function listen(element: HTMLElement, view: View): () => void {
   }
 
   function up(event: PointerEvent): void {
-    held.delete(event.pointerId);
+    const isClick = held.delete(event.pointerId) && !hasMoved && event.type === 'pointerup';
+    if (isClick && event.button === 0 && event.ctrlKey) onPick();
   }
 
   function wheel(event: WheelEvent): void {

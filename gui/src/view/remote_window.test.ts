@@ -140,6 +140,40 @@ it('two frames are under way while the camera moves, the second waits, and the n
   expect(window.status.whole).toBe(false);
 });
 
+it('what is seen is the camera of the picture that is shown, not the newest, and comes before or after the frame’s number', async () => {
+  expect(window.seen).toBeNull();
+  await rest();
+  expect(window.seen).toMatchObject({ camera: { viewpoint: [0, 0, 4] }, box: null });
+  window.setCamera(moved(1));
+  stage.pass(3); // The server's reply with the number of this frame is still to come.
+  await settle();
+  expect(window.seen?.camera).toEqual(moved(1));
+  window.setCamera(moved(2));
+  window.setCamera(moved(3));
+  await settle();
+  expect(window.seen?.camera).toEqual(moved(1));
+  stage.pass(4);
+  expect(window.seen?.camera).toEqual(moved(2));
+  const before = window.seen;
+  stage.pass(4, { pass: 1 });
+  expect(window.seen).toBe(before);
+});
+
+it('other looks of a document are told one at a time, the newest last, and the camera stays', async () => {
+  await rest();
+  const sets = (): string[] => stage.requests.filter((text) => text.startsWith('viewer.set'));
+  expect(sets()).toHaveLength(1);
+  for (const look of [1, 2, 3]) window.change({ look });
+  expect(sets()).toHaveLength(2);
+  await settle();
+  expect(
+    sets()
+      .slice(1)
+      .map((text) => text.slice(text.indexOf('{'))),
+  ).toEqual(['{"look":1}', '{"look":3}']);
+  expect(stage.renders[2]).toMatchObject({ encoding: 'jpeg', Camera: { viewpoint: [0, 0, 4] } });
+});
+
 it('a frame that was overtaken ends without a pass, and the one before it is still awaited', async () => {
   await rest();
   window.setCamera(moved(1));

@@ -5,8 +5,10 @@ import type { Connection } from '../wire/connection';
 import { type Json, type JsonObject, textsOf } from '../wire/json';
 import { statement } from '../wire/statement';
 import type { FrameEnded, PassShown } from '../worker/messages';
-import { type Box, boxFrom, type Camera, cameraFrom, cameraJson, type Size } from './camera';
+import { type Box, boxFrom, type Camera, cameraFrom, cameraJson, rangesFrom, type Size } from './camera';
+import { FrameCameras } from './frame_cameras';
 import { FramesAsked } from './frames_asked';
+import { type Frame, NO_FRAME, statusText } from './frame_status';
 import { type Detail, Pace } from './pace';
 import type { Pictures } from './pictures';
 
@@ -27,22 +29,17 @@ export interface WindowStatus {
   generations: Record<string, number>;
 }
 
-interface Frame {
-  number: number;
-  shown: boolean; // its first pass is
-  scale: number;
-  pass: number;
-  ended: boolean;
-  lossless: boolean;
-  status: string;
-  error: string;
-  seconds: number;
+/** What the picture that is shown was made from. */
+export interface Seen {
+  readonly camera: Camera;
+  /** In pixels of the screen. */
+  readonly size: Size;
+  /** Of all data that are shown; null as long as it is not known. */
+  readonly box: Box | null;
+  /** Of the values of each operator, as far as they have any. */
+  readonly ranges: readonly (readonly [number, number] | null)[];
 }
 
-const NO_FRAME: Frame = {
-  ...{ number: 0, shown: false, scale: 0, pass: 0, ended: false, lossless: false },
-  ...{ status: '', error: '', seconds: 0 },
-};
 const REST = 250; // After so many milliseconds without a new camera, the camera rests.
 const UNDER_WAY = 2;
 const AGAIN = 1000;
@@ -61,6 +58,8 @@ export class RemoteWindow {
   private shown: Shown | null = null;
   private ready = false; // the server has the window and what it shows
   private setting: AbortController | null = null;
+  private isChanged = false; // what is shown, since the server was told
+  private isChanging = false; // the server has been told and has not answered
   private hidden = false;
   private told = ''; // the last statement of the window's size and whether it follows
   private camera: Camera | null = null;
@@ -71,6 +70,8 @@ export class RemoteWindow {
   private detail: Detail = { scale: 4, quality: 70 };
   private pace = new Pace();
   private asked = new FramesAsked();
+  private cameras = new FrameCameras();
+  private seenNow: Seen | null = null;
   private frame: Frame = NO_FRAME;
   private setError = '';
   private renderError = '';
@@ -81,6 +82,8 @@ export class RemoteWindow {
   private againAt = Infinity;
   private generations: Record<string, number> = {};
   private dataBox: Box | null = null;
+  private ranges: Seen['ranges'] = [];
+  private revision: number | null = null; // of the graph's document, when box and ranges were asked for
   private timer: ReturnType<typeof setTimeout> | undefined;
   private readonly ends: (() => void)[];
 
@@ -146,6 +149,16 @@ export class RemoteWindow {
     this.setUp();
   }
 
+  /**
+   * Shows other looks of the same data, as while a handle is dragged: camera and window stay. One change at a time is sent; of those that
+   * come meanwhile the last.
+   */
+  change(document: JsonObject): void {
+    this.shown = { kind: 'document', document };
+    this.isChanged = true;
+    this.sendChange();
+  }
+
   setCamera(camera: Camera): void {
     if (camera === this.camera) return;
     this.camera = camera;
@@ -159,6 +172,7 @@ export class RemoteWindow {
     if (size.width === this.size.width && size.height === this.size.height) return;
     this.pace.resized((size.width * size.height) / (this.size.width * this.size.height));
     this.size = size;
+    this.see(this.seenNow?.camera ?? null);
     this.pictures.resize(this.id, size);
     this.cameraSent = false;
     this.movedAt = performance.now();
@@ -188,10 +202,23 @@ export class RemoteWindow {
     return this.dataBox;
   }
 
+  /** The number of the frame that is shown; 0: none. */
+  get frameShown(): number {
+    return this.frame.shown ? this.frame.number : 0;
+  }
+
+  /** What the picture that is shown was made from; the same object until something of it changes. Null: there is no picture yet. */
+  get seen(): Seen | null {
+    return this.seenNow;
+  }
+
   get status(): WindowStatus {
     const { frame } = this;
     return {
-      text: this.statusText(),
+      text: statusText(frame, {
+        ...{ isReady: this.ready, passes: this.passes, progress: this.progress },
+        error: this.setError || this.renderError,
+      }),
       whole:
         this.cameraSent &&
         !this.movingSent &&
@@ -207,24 +234,6 @@ export class RemoteWindow {
     };
   }
 
-  private statusText(): string {
-    const { frame } = this;
-    const why =
-      this.setError || this.renderError || (frame.ended && frame.status === 'failed' ? frame.error : '');
-    if (this.progress) return this.progress;
-    if (why) return `error: ${why}`;
-    if (!this.ready) return 'loading data ...';
-    if (frame.number === 0) return 'waiting for the first picture ...';
-    if (!frame.lossless) {
-      const coarse = frame.scale > 1 ? `, 1 of ${frame.scale} x ${frame.scale} pixels` : '';
-      return `moving: JPEG${coarse}`;
-    }
-    if (frame.scale !== 1) return 'rendering ...';
-    const passes = `${frame.pass + 1} of ${this.passes} passes`;
-    if (!frame.ended) return `lossless, refining: ${passes}`;
-    return `lossless, ${passes}, ${frame.seconds.toFixed(2)} s`;
-  }
-
   // Makes the window on the server, and tells it what to show.
   private setUp(): void {
     this.setting?.abort();
@@ -234,8 +243,10 @@ export class RemoteWindow {
     const setting = new AbortController();
     this.setting = setting;
     this.ready = false;
+    this.isChanged = false;
     this.renderError = '';
     this.asked = new FramesAsked();
+    this.cameras = new FrameCameras();
     this.frame = NO_FRAME;
     this.changed();
     this.askToShow(shown, setting.signal).then(
@@ -283,6 +294,8 @@ export class RemoteWindow {
     const given = words[0] ? { Camera: words[0] } : undefined;
     const reply = await this.connection.request(statement('viewer.camera', [this.id], given));
     this.dataBox = boxFrom(reply['box']);
+    this.ranges = rangesFrom(reply['ranges']);
+    this.see(this.seenNow?.camera ?? null);
     if (this.camera) return;
     this.camera = cameraFrom(reply['Camera']);
     this.onCamera(this.camera);
@@ -305,6 +318,34 @@ export class RemoteWindow {
     if (this.windowText() !== before) this.send(this.told);
   }
 
+  private sendChange(): void {
+    const { shown, setting } = this;
+    if (!this.ready || !this.isChanged || this.isChanging || shown?.kind !== 'document') return;
+    this.isChanged = false;
+    this.isChanging = true;
+    const answered = (error = ''): void => {
+      this.isChanging = false;
+      if (setting === this.setting) this.takeChange(error);
+      this.sendChange();
+    };
+    this.connection.request(statement('viewer.set', [this.id], shown.document)).then(
+      () => {
+        answered();
+      },
+      (error: unknown) => {
+        answered(error instanceof Error ? error.message : String(error));
+      },
+    );
+  }
+
+  private takeChange(error: string): void {
+    this.setError = error;
+    this.cameraSent = false;
+    this.movedAt = performance.now();
+    this.step();
+    this.changed();
+  }
+
   private begin(): void {
     this.ready = true;
     this.setError = '';
@@ -313,6 +354,7 @@ export class RemoteWindow {
     this.cameraSent = false;
     this.movedAt = performance.now();
     this.changed();
+    this.sendChange();
     this.step();
   }
 
@@ -355,6 +397,10 @@ export class RemoteWindow {
         ({ frame }) => {
           this.progress = '';
           asked.number(typeof frame === 'number' ? frame : 0);
+          if (asked === this.asked && typeof frame === 'number') {
+            this.cameras.add(frame, camera);
+            if (this.frame.shown) this.see(this.cameras.of(this.frame.number));
+          }
           this.step();
         },
         (error: unknown) => {
@@ -388,6 +434,7 @@ export class RemoteWindow {
     frame.pass = pass.pass;
     if (!frame.shown) {
       frame.shown = true;
+      this.see(this.cameras.of(frame.number));
       this.generations = pass.generations;
       this.anyFrame = true;
       const moving = this.asked.find(frame.number)?.moving;
@@ -411,10 +458,28 @@ export class RemoteWindow {
       const { status, error, seconds } = end;
       Object.assign(this.frame, { ended: true, status, error, seconds });
       this.generations = end.generations;
+      this.lookAtRanges(end.revision);
       this.asked.done(end.frame);
     }
     this.changed();
     this.step();
+  }
+
+  // Another document may show other data. A look may have come, or gone.
+  private lookAtRanges(revision: number | null): void {
+    if (revision === this.revision) return;
+    this.revision = revision;
+    this.askForBoxAgain();
+  }
+
+  private see(camera: Camera | null): void {
+    const { seenNow: before, size, dataBox: box, ranges } = this;
+    if (!camera) return;
+    const isSame =
+      before?.camera === camera && before.size === size && before.box === box && before.ranges === ranges;
+    if (isSame) return;
+    this.seenNow = { camera, size, box, ranges };
+    this.changed();
   }
 
   private send(text: string): void {

@@ -90,6 +90,16 @@ export function lookAlong(camera: Camera, axis: 0 | 1 | 2, sign: 1 | -1): Camera
   return { ...camera, viewpoint: subtract(focusOf(camera), viewdirection), viewdirection, viewup };
 }
 
+/**
+ * Looks at a point along a direction, which is not zero, or against it, whichever is nearer to how the camera looks now. The distance
+ * stays.
+ */
+export function lookFrom(camera: Camera, point: Vec3, direction: Vec3): Camera {
+  const sign = dot(direction, camera.viewdirection) < 0 ? -1 : 1;
+  const viewdirection = scale(normalized(direction), sign * length(camera.viewdirection));
+  return { ...camera, viewpoint: subtract(point, viewdirection), viewdirection, viewup: axesOf(camera).up };
+}
+
 /** The camera from which all of the box is in view, in the direction of now. */
 export function reset(camera: Camera, box: Box): Camera {
   const { up, forward } = axesOf(camera);

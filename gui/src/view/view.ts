@@ -4,12 +4,25 @@ import type { Connection } from '../wire/connection';
 import type { JsonObject } from '../wire/json';
 import { textOf } from '../wire/json';
 import { statement } from '../wire/statement';
-import { type Camera, cameraJson, type Size } from './camera';
+import { type Camera, cameraJson, type Size, vectorIn } from './camera';
 import { camerasOf, datasetsOf, raysPerPixelOf, shownPart, visualizationsOf, withCamera } from './document';
 import type { Pictures } from './pictures';
-import { RemoteWindow, type Shown, type WindowStatus } from './remote_window';
+import { RemoteWindow, type Seen, type Shown, type WindowStatus } from './remote_window';
 import { still } from './still';
-import { lookAlong, reset, roll, rotate, turn, turnAbout, wheel, zoom, pan, type Place } from './trackball';
+import {
+  lookAlong,
+  lookFrom,
+  reset,
+  roll,
+  rotate,
+  turn,
+  turnAbout,
+  wheel,
+  zoom,
+  pan,
+  type Place,
+} from './trackball';
+import type { Vec3 } from './vector';
 
 /** Where a view's content comes from. */
 export type Source =
@@ -20,6 +33,14 @@ export interface ViewStatus extends WindowStatus {
   /** Which of several visualizations and cameras of the document are shown; empty if there is one of each. */
   place: string;
   spinning: boolean;
+}
+
+/** What was found at a place of the picture. */
+export interface Picked {
+  /** For people: operator, point and value, or that there is nothing. */
+  readonly text: string;
+  /** In the world; null: there is no surface. */
+  readonly point: Vec3 | null;
 }
 
 const PASSES = 16;
@@ -40,6 +61,7 @@ export class View {
   private rest: ReturnType<typeof setTimeout> | undefined;
   private spin = 0; // the animation frame that is asked for
   private hidden = false;
+  private pickedNow: Picked | null = null;
   private shown: ViewStatus = { ...NOTHING, place: '', spinning: false };
   private readonly listeners = new Set<() => void>();
 
@@ -94,6 +116,25 @@ export class View {
     return this.shown;
   }
 
+  /** What the picture that is shown was made from; null: there is none yet. */
+  get seen(): Seen | null {
+    return this.window?.seen ?? null;
+  }
+
+  /** The number of the frame that is shown; 0: none. */
+  get frameShown(): number {
+    return this.window?.frameShown ?? 0;
+  }
+
+  get picked(): Picked | null {
+    return this.pickedNow;
+  }
+
+  /** The graph and the view of it that are shown; null: a document of the view's own. */
+  get ofGraph(): { graph: string; view: string } | null {
+    return this.source.kind === 'graph' ? this.source : null;
+  }
+
   /** Names of what is shown, for people. */
   get content(): string {
     if (this.source.kind === 'graph') return `${this.source.view} of graph ${this.source.graph}`;
@@ -106,6 +147,26 @@ export class View {
     const { document } = this.source;
     const moved = this.camera !== null && this.camera !== this.home;
     return moved && this.camera ? withCamera(document, this.cameraIndex, this.camera) : document;
+  }
+
+  /** The document without the motions of the camera; null: the view is one of a graph. */
+  get ownDocument(): JsonObject | null {
+    return this.source.kind === 'graph' ? null : this.source.document;
+  }
+
+  /** Of several visualizations of the document, the one that is shown. */
+  get visualizationShown(): number {
+    return this.visualization;
+  }
+
+  /** Shows other looks: a document that differs from the view's own in operators only. */
+  setDocument(document: JsonObject): void {
+    if (this.source.kind === 'graph') return;
+    this.source = { kind: 'document', document };
+    const part = shownPart(document, this.visualization, this.cameraIndex);
+    delete part['Camera']; // The window's stays.
+    this.window?.change(part);
+    this.changed();
   }
 
   resize(size: Size): void {
@@ -141,6 +202,10 @@ export class View {
   }
   lookAlong(axis: 0 | 1 | 2, sign: 1 | -1): void {
     this.move((camera) => lookAlong(camera, axis, sign));
+  }
+  /** Looks at a point, along a direction or against it, whichever is nearer to how the camera looks now. */
+  lookAt(point: Vec3, direction: Vec3): void {
+    this.move((camera) => lookFrom(camera, point, direction));
   }
   /** All data in view. */
   reset(): void {
@@ -197,12 +262,21 @@ export class View {
     return still(this.connection, this.pictures, { shown, camera, size: this.size, passes: this.passes });
   }
 
-  /** What surface is under the mouse: text for people. */
-  async pick(): Promise<string> {
-    if (!this.window || !this.under) return 'The mouse is not over the picture.';
+  /** Finds what surface is under the mouse. */
+  async pick(): Promise<void> {
+    if (!this.window || !this.under) {
+      this.setPicked({ text: 'The mouse is not over the picture.', point: null });
+      return;
+    }
     const words = [this.window.id, Math.floor(this.under.x), Math.floor(this.under.y)];
     const reply = await this.connection.request(statement('viewer.pick', words));
-    return textOf(reply, 'text', 'There is no surface.');
+    const point = reply['hit'] === true ? vectorIn(reply['point'], 'point') : null;
+    this.setPicked({ text: textOf(reply, 'text', 'There is no surface.'), point });
+  }
+
+  setPicked(picked: Picked | null): void {
+    this.pickedNow = picked;
+    this.changed();
   }
 
   private get passes(): number {

@@ -2,6 +2,8 @@
 // A view on the page: its picture, and the line below it.
 import { type KeyboardEvent, useEffect, useRef, useSyncExternalStore } from 'react';
 import { Foreign } from '../app/foreign';
+import { Overlay } from '../overlay/overlay';
+import { OverlayToggles } from '../overlay/toggles';
 import type { Size } from './camera';
 import { press } from './keys';
 import { listen } from './pointer';
@@ -17,7 +19,11 @@ interface ViewPaneProps {
 
 export function ViewPane({ view, shown, onKey }: ViewPaneProps) {
   const place = useRef<HTMLDivElement>(null);
-  useEffect(() => (place.current ? paintInto(place.current, view) : undefined), [view]);
+  const pick = useRef<() => void>(() => undefined);
+  useEffect(() => {
+    pick.current = () => onKey('i', view);
+  }, [onKey, view]);
+  useEffect(() => (place.current ? paintInto(place.current, view, () => pick.current()) : undefined), [view]);
   useEffect(() => {
     const look = () => {
       view.setHidden(!shown || document.visibilityState === 'hidden');
@@ -31,19 +37,22 @@ export function ViewPane({ view, shown, onKey }: ViewPaneProps) {
 
   function key(event: KeyboardEvent) {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key === 'Escape') view.setPicked(null);
     if (press(view, event.key) || onKey(event.key, view)) event.preventDefault();
   }
 
   return (
     <div className="view" role="tabpanel" aria-label={view.title} hidden={!shown}>
-      <div
-        ref={place}
-        className="picture"
-        role="application"
-        tabIndex={0}
-        aria-label={`Picture of ${view.content}. Arrow keys turn it, question mark lists the keys.`}
-        onKeyDown={key}
-      />
+      <div className="view-picture" onKeyDown={key}>
+        <div
+          ref={place}
+          className="picture"
+          role="application"
+          tabIndex={0}
+          aria-label={`Picture of ${view.content}. Arrow keys turn it, question mark lists the keys.`}
+        />
+        {shown && <Overlay view={view} />}
+      </div>
       <ViewLine view={view} />
     </div>
   );
@@ -53,6 +62,10 @@ function ViewLine({ view }: { view: View }) {
   const status = useSyncExternalStore(
     (changed) => view.subscribe(changed),
     () => view.status,
+  );
+  const picked = useSyncExternalStore(
+    (changed) => view.subscribe(changed),
+    () => view.picked,
   );
   const more = [status.place, status.spinning ? 'spinning' : ''].filter((text) => text !== '');
   const error = status.text.startsWith('error: ');
@@ -70,6 +83,10 @@ function ViewLine({ view }: { view: View }) {
       {more.map((text) => (
         <span key={text}>{text}</span>
       ))}
+      <span className="picked" role="status">
+        {picked && <Foreign text={picked.text} />}
+      </span>
+      <OverlayToggles />
       <span className="keys-hint">?: keys</span>
     </div>
   );
@@ -86,7 +103,7 @@ function sizeOf(entry: ResizeObserverEntry): Size {
 }
 
 /** Puts a canvas of the element's size into the element. A canvas can be given to a worker once, so this makes a new one. */
-function paintInto(element: HTMLElement, view: View): () => void {
+function paintInto(element: HTMLElement, view: View, onPick: () => void): () => void {
   const canvas = document.createElement('canvas');
   element.append(canvas);
   let attached = false;
@@ -108,7 +125,7 @@ function paintInto(element: HTMLElement, view: View): () => void {
   } catch {
     observer.observe(element); // Safari does not know that box.
   }
-  const stopListening = listen(element, view);
+  const stopListening = listen(element, view, onPick);
   return () => {
     observer.disconnect();
     stopListening();

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// The newest frame of a window, and what is said of it.
+
+export interface Frame {
+  number: number;
+  shown: boolean; // its first pass is
+  scale: number;
+  pass: number;
+  ended: boolean;
+  lossless: boolean;
+  status: string;
+  error: string;
+  seconds: number;
+}
+
+export const NO_FRAME: Frame = {
+  ...{ number: 0, shown: false, scale: 0, pass: 0, ended: false, lossless: false },
+  ...{ status: '', error: '', seconds: 0 },
+};
+
+interface OfWindow {
+  isReady: boolean;
+  passes: number;
+  /** What the server says while it prepares something. */
+  progress: string;
+  /** Of the window, or of what was asked for last. */
+  error: string;
+}
+
+/** For people; an error begins with "error: ". */
+export function statusText(frame: Frame, { isReady, passes, progress, error }: OfWindow): string {
+  const why = error || (frame.ended && frame.status === 'failed' ? frame.error : '');
+  if (progress) return progress;
+  if (why) return `error: ${why}`;
+  if (!isReady) return 'loading data ...';
+  if (frame.number === 0) return 'waiting for the first picture ...';
+  if (!frame.lossless) {
+    const coarse = frame.scale > 1 ? `, 1 of ${frame.scale} x ${frame.scale} pixels` : '';
+    return `moving: JPEG${coarse}`;
+  }
+  if (frame.scale !== 1) return 'rendering ...';
+  const shown = `${frame.pass + 1} of ${passes} passes`;
+  if (!frame.ended) return `lossless, refining: ${shown}`;
+  return `lossless, ${shown}, ${frame.seconds.toFixed(2)} s`;
+}
