@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: which part is at which place.
-import { useState } from 'react';
+import { useEffect, useState } from 'react';
 import { showDataset } from '../canvas/actions';
 import { GraphArea } from '../canvas/graph_area';
 import { useGraphStore } from '../canvas/graph_store';
 import { DataPanel } from '../panels/data_panel';
 import { PanelArea } from '../panels/panel_area';
+import { watchSteps } from '../steps/steps_store';
 import type { View } from '../view/view';
 import { ViewArea } from '../view/view_area';
 import { pressInView, viewData } from './commands';
@@ -21,6 +22,7 @@ export function App() {
   const server = useServer();
   const isGraphOpen = useGraphStore(({ session }) => session !== undefined);
   const [help, setHelp] = useState(false);
+  useEffect(() => watchSteps(server), [server]);
   if (state.kind === 'locked' && !state.before) return <ConnectPage problem={state.problem} />;
 
   function onKey(key: string, view: View): boolean {

@@ -2,12 +2,13 @@
 // What lies below the graph: live data, the form of the selected node, its data, and the log.
 import { type KeyboardEvent, type ReactNode, useState } from 'react';
 import { useGraphStore } from '../canvas/graph_store';
+import { StepsPanel } from '../steps/steps_panel';
 import { DataTab } from './data_tab';
 import { LogPanel } from './log_panel';
 import './panels.css';
 import { NodeForm, useSelectedNode } from './properties';
 
-const TABS = ['Live data', 'Properties', 'Data', 'Log'] as const;
+const TABS = ['Live data', 'Properties', 'Data', 'Log', 'Steps'] as const;
 type Tab = (typeof TABS)[number];
 
 export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
@@ -55,6 +56,7 @@ export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
         {tab === 'Properties' && (node ? <NodeForm node={node} /> : none)}
         {tab === 'Data' && (node ? <DataTab node={node} /> : none)}
         {tab === 'Log' && <LogPanel />}
+        {tab === 'Steps' && <StepsPanel />}
       </div>
     </div>
   );

@@ -62,6 +62,7 @@ export class RemoteWindow {
   private ready = false; // the server has the window and what it shows
   private setting: AbortController | null = null;
   private hidden = false;
+  private held = false;
   private told = ''; // the last statement of the window's size and whether it follows
   private camera: Camera | null = null;
   private cameraSent = false;
@@ -183,6 +184,19 @@ export class RemoteWindow {
     this.changed();
   }
 
+  /** A held window keeps its picture when newer data come. The camera still moves, and shows the newest. */
+  setHeld(held: boolean): void {
+    if (held === this.held) return;
+    this.held = held;
+    if (this.ready) this.tell();
+    if (!held && this.ready && !this.hidden) {
+      this.movingSent = true; // so that what has come meanwhile is shown at once
+      this.movedAt = -Infinity;
+      this.step();
+    }
+    this.changed();
+  }
+
   /** The box of all data that are shown; null as long as it is not known. */
   get box(): Box | null {
     return this.dataBox;
@@ -212,6 +226,9 @@ export class RemoteWindow {
     const why =
       this.setError || this.renderError || (frame.ended && frame.status === 'failed' ? frame.error : '');
     if (this.progress) return this.progress;
+    const passes = `${frame.pass + 1} of ${this.passes} passes`;
+    if (this.held && frame.shown && frame.scale === 1 && frame.status === 'failed')
+      return `lossless, ${passes}: newer data have taken the place of these`;
     if (why) return `error: ${why}`;
     if (!this.ready) return 'loading data ...';
     if (frame.number === 0) return 'waiting for the first picture ...';
@@ -220,7 +237,6 @@ export class RemoteWindow {
       return `moving: JPEG${coarse}`;
     }
     if (frame.scale !== 1) return 'rendering ...';
-    const passes = `${frame.pass + 1} of ${this.passes} passes`;
     if (!frame.ended) return `lossless, refining: ${passes}`;
     return `lossless, ${passes}, ${frame.seconds.toFixed(2)} s`;
   }
@@ -296,7 +312,10 @@ export class RemoteWindow {
   /** Says the window's size and whether it follows its data. What is said is kept, since both may change while that is not answered. */
   private windowText(): string {
     const { width, height } = this.size;
-    this.told = statement('viewer.window', [this.id], { size: [width, height], follow: !this.hidden });
+    this.told = statement('viewer.window', [this.id], {
+      size: [width, height],
+      follow: !this.hidden && !this.held,
+    });
     return this.told;
   }
 

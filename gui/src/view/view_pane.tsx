@@ -2,6 +2,7 @@
 // A view on the page: its picture, and the line below it.
 import { type KeyboardEvent, useEffect, useRef, useSyncExternalStore } from 'react';
 import { Foreign } from '../app/foreign';
+import { StepLine } from '../steps/step_line';
 import type { Size } from './camera';
 import { press } from './keys';
 import { listen } from './pointer';
@@ -70,6 +71,7 @@ function ViewLine({ view }: { view: View }) {
       {more.map((text) => (
         <span key={text}>{text}</span>
       ))}
+      <StepLine view={view} isHeld={status.held} />
       <span className="keys-hint">?: keys</span>
     </div>
   );
