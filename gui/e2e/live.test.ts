@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page beside a simulation that runs, in several windows, and for those who may only look.
 import { type ChildProcess, spawn } from 'node:child_process';
+import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
 import { Browser, openFile, savedPicture, whole } from './browser';
-import { openGraphFile, state } from './canvas';
+import { openGraphFile, select, state } from './canvas';
 import { Server } from './server';
 
 let browser: Browser;
@@ -49,6 +50,11 @@ const SCENE = {
       camera: { viewpoint: [0, 0, 4], viewcenter: [0, 0, 0], viewup: [0, 1, 0], aov: 35 },
     },
   ],
+};
+
+const FIXED = {
+  ...SCENE,
+  Datasets: [{ name: 'sim.oneBall', type: 'Volume', filename: 'radial.vti', array: 'oneBall' }],
 };
 
 /** The step that the view in front shows. */
@@ -110,4 +116,47 @@ it('a view of a state file is held, too', async () => {
   simulation.kill();
   browser.check();
   await page.context().close();
+});
+
+it('who may only look sees the graph and its picture, and nothing that edits is enabled', async () => {
+  const owner = await opened();
+  await openGraphFile(owner, server.file('fixed.json', JSON.stringify(FIXED)));
+  await whole(owner);
+  const page = await browser.page(1280, 800);
+  await page.goto(server.url);
+  await page.getByLabel('Token').fill(readFileSync(`${server.token}.view`, 'utf8').trim());
+  await page.getByRole('button', { name: 'Connect' }).click();
+  await page.getByText('view only', { exact: true }).waitFor();
+  await page.getByLabel('Graph', { exact: true }).and(page.locator('select')).selectOption('fixed');
+  await state(page, 'Visualizations/view', 'done');
+  await page.getByText('1 other watches').waitFor();
+  await whole(page);
+  expect((await savedPicture(page)).rgba.equals((await savedPicture(owner)).rgba)).toBe(true);
+
+  const bar = page.getByRole('toolbar', { name: 'Graph', exact: true });
+  for (const name of ['New', 'Open', 'Drop', 'Undo', 'Redo', 'Pause', 'Run']) {
+    const button = bar.getByRole('button', { name, exact: true });
+    expect([name, await button.isDisabled()]).toEqual([name, true]);
+    expect(await button.getAttribute('title')).toContain('view-only');
+  }
+  expect(
+    await page
+      .getByRole('button', { name: /^Add .* to the graph$/ })
+      .first()
+      .isDisabled(),
+  ).toBe(true);
+  await select(page, 'Visualizations/view');
+  const fields = page.locator('.node-form').locator('input, select, textarea, button');
+  expect(await fields.count()).toBeGreaterThan(3);
+  for (const field of await fields.all()) expect(await field.isDisabled()).toBe(true);
+  await page.locator('.graph-canvas').focus();
+  for (const key of ['a', 'Delete']) {
+    await page.keyboard.press(key);
+    await expect.poll(() => page.locator('.canvas-message').innerText()).toContain('view-only');
+  }
+  expect(await page.locator('.menu').count()).toBe(0);
+  await page.screenshot({ path: join(inject('pictures'), 'view-only.png') });
+  browser.check();
+  await page.context().close();
+  await owner.context().close();
 });

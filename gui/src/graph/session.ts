@@ -60,6 +60,7 @@ export class GraphSession {
   private isPaused = false;
   private ranAt = 0; // the revision of the last run of a paused graph
   private isGone = false;
+  private wasViewOnly = false;
   private isTold = false; // whether listeners will be told at the end of this turn
   private current: GraphSnapshot;
 
@@ -180,7 +181,8 @@ export class GraphSession {
 
   private get isViewOnly(): boolean {
     const { state } = this.connection;
-    return state.kind === 'open' && state.welcome.viewOnly;
+    if (state.kind === 'open') this.wasViewOnly = state.welcome.viewOnly; // Kept while the connection is lost.
+    return this.wasViewOnly;
   }
 
   private say(verb: string, node?: string): void {
