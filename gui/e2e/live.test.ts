@@ -6,7 +6,8 @@ import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
 import { Browser, openFile, savedPicture, whole } from './browser';
-import { openGraphFile, select, state } from './canvas';
+import { openGraphFile, select, setProperty, state } from './canvas';
+import { decodePng, type Pixels } from './png';
 import { Server } from './server';
 
 let browser: Browser;
@@ -56,6 +57,14 @@ const FIXED = {
   ...SCENE,
   Datasets: [{ name: 'sim.oneBall', type: 'Volume', filename: 'radial.vti', array: 'oneBall' }],
 };
+
+/** The picture that the key p saves, once it is whole. */
+async function pictureOf(page: Page): Promise<Pixels> {
+  await whole(page);
+  const coming = page.waitForEvent('download');
+  await page.locator('.picture').press('p');
+  return decodePng(readFileSync(await (await coming).path()));
+}
 
 /** The step that the view in front shows. */
 async function step(page: Page): Promise<number> {
@@ -159,4 +168,37 @@ it('who may only look sees the graph and its picture, and nothing that edits is 
   browser.check();
   await page.context().close();
   await owner.context().close();
+});
+
+it('a view in a window of its own gets in by itself, follows edits, and goes on when the first window is closed', async () => {
+  const page = await opened();
+  await openGraphFile(page, server.file('apart.json', JSON.stringify(FIXED)));
+  await whole(page);
+  const coming = page.context().waitForEvent('page');
+  await page.getByRole('button', { name: /in a window of its own/ }).click();
+  const second = await coming;
+  await page.getByRole('tab', { name: 'apart / view' }).waitFor({ state: 'detached' });
+  await second.getByText('Connected', { exact: true }).waitFor();
+  await whole(second);
+  expect(second.url()).toBe(`${server.url}#view=apart/view`);
+  const token = readFileSync(server.token, 'utf8').trim();
+  for (const of of [page, second]) {
+    expect(await of.evaluate(() => JSON.stringify(localStorage))).not.toContain(token);
+    expect(await of.content()).not.toContain(token);
+  }
+  const pixels = async (): Promise<string> => (await pictureOf(second)).rgba.toString('base64');
+  const before = await pixels();
+  await select(page, 'Inline/view/0');
+  await setProperty(page, 'slices', '[[1, 0, 0, 0.5]]');
+  await expect.poll(pixels).not.toBe(before);
+  await second.screenshot({ path: join(inject('pictures'), 'view-window.png') });
+  await page.close();
+  const after = await pixels();
+  await second.locator('.picture').focus();
+  await second.keyboard.press('x');
+  await expect.poll(pixels).not.toBe(after);
+  await second.reload();
+  await whole(second);
+  browser.check();
+  await second.context().close();
 });

@@ -16,12 +16,15 @@ import { Layout } from './layout';
 import { NoticeList } from './notice_list';
 import { useConnectionState, useServer } from './server';
 import { Toolbar } from './toolbar';
+import { viewIn } from './view_address';
+import { ViewWindow } from './view_window';
 
 export function App() {
   const state = useConnectionState();
   const server = useServer();
   const isGraphOpen = useGraphStore(({ session }) => session !== undefined);
   const [help, setHelp] = useState(false);
+  const [own] = useState(() => viewIn(location.hash)); // The view that this window is for.
   useEffect(() => watchSteps(server), [server]);
   if (state.kind === 'locked' && !state.before) return <ConnectPage problem={state.problem} />;
 
@@ -31,6 +34,24 @@ export function App() {
     return true;
   }
 
+  if (own)
+    return (
+      <>
+        <div className="layout">
+          <header>
+            <LossBar />
+          </header>
+          <main className="place" aria-label="View">
+            <ViewWindow address={own} onKey={onKey} />
+          </main>
+          <footer className="status" aria-label="Status">
+            <ConnectionStatus />
+          </footer>
+        </div>
+        <NoticeList />
+        {help && <Help onClose={() => setHelp(false)} />}
+      </>
+    );
   return (
     <>
       <Layout

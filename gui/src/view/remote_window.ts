@@ -228,7 +228,7 @@ export class RemoteWindow {
     if (this.progress) return this.progress;
     const passes = `${frame.pass + 1} of ${this.passes} passes`;
     if (this.held && frame.shown && frame.scale === 1 && frame.status === 'failed')
-      return `lossless, ${passes}: newer data have taken the place of these`;
+      return `lossless, ${passes}`; // Newer data have taken the place of these.
     if (why) return `error: ${why}`;
     if (!this.ready) return 'loading data ...';
     if (frame.number === 0) return 'waiting for the first picture ...';

@@ -59,6 +59,7 @@ function ViewLine({ view }: { view: View }) {
   const error = status.text.startsWith('error: ');
   return (
     <div className="view-line" data-whole={status.whole}>
+      <StepLine view={view} isHeld={status.held} />
       {error ? (
         <p className="view-error" role="alert">
           <Foreign text={status.text} />
@@ -71,7 +72,6 @@ function ViewLine({ view }: { view: View }) {
       {more.map((text) => (
         <span key={text}>{text}</span>
       ))}
-      <StepLine view={view} isHeld={status.held} />
       <span className="keys-hint">?: keys</span>
     </div>
   );
