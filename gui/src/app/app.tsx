@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: which part is at which place.
-import { useState } from 'react';
+import { useEffect, useState } from 'react';
 import { showDataset } from '../canvas/actions';
 import { GraphArea } from '../canvas/graph_area';
 import { useGraphStore } from '../canvas/graph_store';
 import { DataPanel } from '../panels/data_panel';
 import { PanelArea } from '../panels/panel_area';
+import { watchSteps } from '../steps/steps_store';
 import type { View } from '../view/view';
 import { ViewArea } from '../view/view_area';
 import { pressInView, viewData } from './commands';
@@ -15,12 +16,16 @@ import { Layout } from './layout';
 import { NoticeList } from './notice_list';
 import { useConnectionState, useServer } from './server';
 import { Toolbar } from './toolbar';
+import { viewIn } from './view_address';
+import { ViewWindow } from './view_window';
 
 export function App() {
   const state = useConnectionState();
   const server = useServer();
   const isGraphOpen = useGraphStore(({ session }) => session !== undefined);
   const [help, setHelp] = useState(false);
+  const [own] = useState(() => viewIn(location.hash)); // The view that this window is for.
+  useEffect(() => watchSteps(server), [server]);
   if (state.kind === 'locked' && !state.before) return <ConnectPage problem={state.problem} />;
 
   function onKey(key: string, view: View): boolean {
@@ -29,6 +34,24 @@ export function App() {
     return true;
   }
 
+  if (own)
+    return (
+      <>
+        <div className="layout">
+          <header>
+            <LossBar />
+          </header>
+          <main className="place" aria-label="View">
+            <ViewWindow address={own} onKey={onKey} />
+          </main>
+          <footer className="status" aria-label="Status">
+            <ConnectionStatus />
+          </footer>
+        </div>
+        <NoticeList />
+        {help && <Help onClose={() => setHelp(false)} />}
+      </>
+    );
   return (
     <>
       <Layout

@@ -34,7 +34,8 @@ import {
   idOf,
   nodesOf,
 } from '../graph/nodes';
-import { messageOf, VIEW_ONLY } from '../graph/session';
+import { type GraphSession, messageOf, VIEW_ONLY } from '../graph/session';
+import type { View } from '../view/view';
 import { useViews } from '../view/views';
 import type { ServerConnection } from '../app/server_connection';
 import { statement } from '../wire/statement';
@@ -234,12 +235,14 @@ export function openView(name: string): void {
   const { views, add, activate } = useViews.getState();
   const known = views.find((view) => view.title === title);
   if (known) {
+    holdWithGraph(known, session, name);
     activate(known.id);
     return;
   }
   // The page's connection brings pixels, too.
   const view = add(title, { kind: 'graph', graph: session.name, view: name }, connection as ServerConnection);
   view.onNotice = say;
+  holdWithGraph(view, session, name);
   // The view's camera is what its user sees. Undo leaves it: whoever turns the picture back turns it.
   view.onRest = (camera) => {
     const { session: now } = store();
@@ -250,6 +253,29 @@ export function openView(name: string): void {
       });
   };
 }
+
+/** A view is held by the graph (`follow` of its document), so all who look at it see one step, from any side. */
+function holdWithGraph(view: View, session: GraphSession, name: string): void {
+  const path = ['Visualizations', name, 'follow'];
+  const look = (): void => {
+    const { document, isViewOnly } = session.snapshot;
+    view.whyNotHeld = isViewOnly
+      ? VIEW_ONLY
+      : session !== store().session
+        ? `Open graph ${session.name} to hold its views.`
+        : '';
+    view.showHeld(find(document, path) === false);
+  };
+  look();
+  followed.get(view)?.();
+  followed.set(view, session.subscribe(look));
+  view.onHold = (held) => {
+    if (session.snapshot.isLoaded && find(session.snapshot.document, path.slice(0, 2)))
+      session.edit([held ? { set: path, to: false } : { remove: path }], { history: 'none' });
+  };
+}
+
+const followed = new WeakMap<View, () => void>(); // what ends a view's listening to its graph
 
 export function closeView(name: string): boolean {
   const graph = store().session?.name ?? '';

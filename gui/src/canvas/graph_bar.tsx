@@ -2,7 +2,8 @@
 // The bar above the canvas: which graph is open, documents, undo, run and pause.
 import { useRef, useState } from 'react';
 import { download, stem } from '../app/files';
-import { Foreign } from '../app/foreign';
+import { Foreign, printable } from '../app/foreign';
+import { editing, useViewOnly } from '../app/view_only';
 import { freeName } from '../graph/changes';
 import { withNamedViews } from '../graph/fragment';
 import type { JsonObject } from '../graph/json';
@@ -58,18 +59,16 @@ function RunButtons() {
     <>
       <button
         type="button"
-        title="Undo (Ctrl+Z)"
+        {...editing(snapshot.isViewOnly, 'Undo (Ctrl+Z)', !snapshot.canUndo)}
         aria-label="Undo"
-        disabled={!snapshot.canUndo || snapshot.isViewOnly}
         onClick={() => session.undo()}
       >
         ↶
       </button>
       <button
         type="button"
-        title="Redo (Ctrl+Y)"
+        {...editing(snapshot.isViewOnly, 'Redo (Ctrl+Y)', !snapshot.canRedo)}
         aria-label="Redo"
-        disabled={!snapshot.canRedo || snapshot.isViewOnly}
         onClick={() => session.redo()}
       >
         ↷
@@ -77,15 +76,14 @@ function RunButtons() {
       <button
         type="button"
         aria-pressed={snapshot.isPaused}
-        disabled={snapshot.isViewOnly}
+        {...editing(snapshot.isViewOnly)}
         onClick={() => session.setPaused(!snapshot.isPaused)}
       >
         {snapshot.isPaused ? 'Paused' : 'Pause'}
       </button>
       <button
         type="button"
-        title="Evaluate all nodes once, and try again what has failed"
-        disabled={snapshot.isViewOnly}
+        {...editing(snapshot.isViewOnly, 'Evaluate all nodes once, and try again what has failed')}
         onClick={() => session.run()}
       >
         {snapshot.unrun > 0 ? `Run (${snapshot.unrun} edits)` : 'Run'}
@@ -94,17 +92,30 @@ function RunButtons() {
   );
 }
 
+/** How many others watch the graph: people, programs, and further windows of the same person. */
+function Others({ clients }: { readonly clients: readonly string[] }) {
+  const count = clients.length - 1;
+  if (count < 1) return null;
+  return (
+    <span className="weak" title={`Who watches this graph: ${clients.map(printable).join(', ')}`}>
+      {count === 1 ? '1 other watches' : `${count} others watch`}
+    </span>
+  );
+}
+
 export function GraphBar() {
   const { session, graphs, say } = useGraphStore();
   const snapshot = useSnapshot();
   const file = useRef<HTMLInputElement>(null);
   const [isDropping, setDropping] = useState(false);
+  const isViewOnly = useViewOnly();
   const attempt = (work: Promise<void>): void => void work.catch((error: unknown) => say(messageOf(error)));
   return (
     <div className="graph-bar" role="toolbar" aria-label="Graph">
       <GraphChoice />
       <button
         type="button"
+        {...editing(isViewOnly)}
         onClick={() =>
           attempt(
             newGraph(
@@ -124,6 +135,7 @@ export function GraphBar() {
         accept=".json,application/json"
         className="unseen"
         tabIndex={-1}
+        disabled={isViewOnly}
         aria-label="State file for a graph"
         onChange={({ currentTarget }) => {
           const chosen = currentTarget.files?.[0];
@@ -131,7 +143,11 @@ export function GraphBar() {
           currentTarget.value = '';
         }}
       />
-      <button type="button" title="Open a state file as a graph" onClick={() => file.current?.click()}>
+      <button
+        type="button"
+        {...editing(isViewOnly, 'Open a state file as a graph')}
+        onClick={() => file.current?.click()}
+      >
         Open
       </button>
       {session && snapshot && (
@@ -164,8 +180,7 @@ export function GraphBar() {
           ) : (
             <button
               type="button"
-              title="Have the server forget the graph"
-              disabled={snapshot.isViewOnly}
+              {...editing(isViewOnly, 'Have the server forget the graph')}
               onClick={() => setDropping(true)}
             >
               Drop
@@ -173,17 +188,13 @@ export function GraphBar() {
           )}
           <RunButtons />
           {snapshot.waiting > 0 && <span className="weak">{snapshot.waiting} unsent</span>}
-          {snapshot.clients.length > 1 && (
-            <span className="weak" title={snapshot.clients.join(', ')}>
-              {snapshot.clients.length} clients
-            </span>
-          )}
+          <Others clients={snapshot.clients} />
         </>
       )}
       {session && snapshot?.isGone && (
         <span role="alert">
           The server has no graph <Foreign text={session.name} />.{' '}
-          <button type="button" onClick={() => attempt(session.restore())}>
+          <button type="button" {...editing(isViewOnly)} onClick={() => attempt(session.restore())}>
             Make it again
           </button>
         </span>

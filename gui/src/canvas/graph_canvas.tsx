@@ -28,7 +28,7 @@ import {
 import { type Position, positionOf } from '../graph/changes';
 import { member, objectsIn } from '../graph/json';
 import { type GraphEdge, type NodeGraph, edgeProblem } from '../graph/nodes';
-import type { GraphSnapshot } from '../graph/session';
+import { type GraphSnapshot, VIEW_ONLY } from '../graph/session';
 import {
   addItem,
   connectNodes,
@@ -156,6 +156,10 @@ function Canvas() {
   }, []);
 
   function open(at: { x: number; y: number }, more: Omit<Opened, 'x' | 'y'>): void {
+    if (snapshot?.isViewOnly) {
+      say(VIEW_ONLY);
+      return;
+    }
     focused.current = document.activeElement as HTMLElement | null;
     say('');
     setOpened({ ...at, ...more });
@@ -400,7 +404,7 @@ function Canvas() {
         <Background gap={24} />
         <Controls showInteractive={false} />
       </ReactFlow>
-      {graph.nodes.length === 0 && isLoaded && (
+      {graph.nodes.length === 0 && isLoaded && !snapshot.isViewOnly && (
         <p className="canvas-hint">Double click or press A to add a node, or drag data here.</p>
       )}
       {shownMenu}

@@ -2,6 +2,7 @@
 // The keys of the canvas.
 import type { KeyboardEvent } from 'react';
 import type { GraphEdge } from '../graph/nodes';
+import { VIEW_ONLY } from '../graph/session';
 import { type AddPlace, bypassNode, copied, openView, pasted, removeSelected } from './actions';
 import { useGraphStore } from './graph_store';
 import { INPUT, OUTPUT } from './node_card';
@@ -38,6 +39,8 @@ export function portOf(target: EventTarget): { id: string; port: string; element
   return element && id ? { id, port: element.getAttribute('data-port') ?? OUTPUT, element } : undefined;
 }
 
+const EDITING = ['a', 'A', 'c', 'C', 'Delete', 'Backspace', 'F2', 'b', 'l'];
+
 export function onCanvasKey(event: KeyboardEvent, keys: CanvasKeys): void {
   if (event.target instanceof Element && event.target.closest('input, textarea, select')) return;
   if (event.altKey) return;
@@ -62,6 +65,11 @@ function withControl(event: KeyboardEvent, { selection }: CanvasKeys): boolean {
 
 function plain(event: KeyboardEvent, keys: CanvasKeys): boolean {
   const { selection } = keys;
+  const { session, say } = useGraphStore.getState();
+  if (session?.snapshot.isViewOnly && EDITING.includes(event.key)) {
+    say(VIEW_ONLY);
+    return true;
+  }
   const port = portOf(event.target);
   const node =
     event.target instanceof Element

@@ -5,8 +5,9 @@ import { memo } from 'react';
 import type { Problem } from '../graph/session';
 import type { GraphNode, NodeInput } from '../graph/nodes';
 import { type NodeState, factsText } from '../graph/states';
-import { useGraphStore } from './graph_store';
+import { useGraphStore, useSnapshot } from './graph_store';
 import { Foreign } from '../app/foreign';
+import { editing } from '../app/view_only';
 import { kindOf, titleOf } from './titles';
 
 export interface CardData extends Record<string, unknown> {
@@ -58,6 +59,7 @@ function InputRow({ node, input }: { node: GraphNode; input: NodeInput }) {
 
 function Progress({ node, state }: { node: GraphNode; state: NodeState }) {
   const session = useGraphStore((s) => s.session);
+  const isViewOnly = useSnapshot()?.isViewOnly === true;
   return (
     <div className="progress">
       <progress
@@ -69,7 +71,7 @@ function Progress({ node, state }: { node: GraphNode; state: NodeState }) {
         type="button"
         className="nodrag"
         aria-label={`Cancel ${titleOf(node)}`}
-        title="Cancel"
+        {...editing(isViewOnly, 'Cancel')}
         onClick={() => session?.cancel(node.name)}
       >
         ×

@@ -60,6 +60,7 @@ export class GraphSession {
   private isPaused = false;
   private ranAt = 0; // the revision of the last run of a paused graph
   private isGone = false;
+  private wasViewOnly = false;
   private isTold = false; // whether listeners will be told at the end of this turn
   private current: GraphSnapshot;
 
@@ -164,9 +165,12 @@ export class GraphSession {
     this.changed();
   }
 
-  /** Makes the graph anew of the document that is kept here, where the server has it no longer. */
+  /**
+   * Makes the graph anew of the document that is kept here, where the server has it no longer. Own edits that wait are not part of it: they
+   * are sent afterwards, as at any other time, and so are carried out once, also if the reply to this is lost.
+   */
   async restore(): Promise<void> {
-    await this.connection.request(statement('graph.new', [this.name], this.current.document as WireObject));
+    await this.connection.request(statement('graph.new', [this.name], this.shared.server as WireObject));
     await this.begin();
   }
 
@@ -177,7 +181,8 @@ export class GraphSession {
 
   private get isViewOnly(): boolean {
     const { state } = this.connection;
-    return state.kind === 'open' && state.welcome.viewOnly;
+    if (state.kind === 'open') this.wasViewOnly = state.welcome.viewOnly; // Kept while the connection is lost.
+    return this.wasViewOnly;
   }
 
   private say(verb: string, node?: string): void {
@@ -209,7 +214,9 @@ export class GraphSession {
     this.held ??= [];
     const reply = (await this.connection.request(statement('graph.get', [this.name]))) as JsonObject;
     const document = member(reply, 'document');
-    this.shared.reset(isObject(document) ? document : {}, numberOf(reply, 'revision'));
+    const guessed = this.shared.reset(isObject(document) ? document : {}, numberOf(reply, 'revision'));
+    if (guessed)
+      this.note(`Not sent again, since the graph seems to have it already: ${JSON.stringify(guessed)}`);
     this.states = statesIn(reply);
     this.isPaused = member(reply, 'paused') === true;
     if (this.ranAt === 0) this.ranAt = this.shared.revision;
@@ -262,7 +269,7 @@ export class GraphSession {
   }
 
   private send(): void {
-    if (this.connection.state.kind !== 'open' || this.held) return;
+    if (this.connection.state.kind !== 'open' || this.held || this.isGone) return;
     const own = this.shared.next();
     if (!own) return;
     const request = { edits: own.edits as unknown as WireObject[], ...(own.live ? { live: true } : {}) };

@@ -222,3 +222,46 @@ describe('a shared document', () => {
     expect(equal(ann.shown, server.document)).toBe(true);
   });
 });
+
+describe('after a loss of the connection', () => {
+  const look = (client: SharedDocument): unknown => client.shown['looks'];
+
+  it('an edit without a reply is carried out once, although others have edited as well', () => {
+    const server = new Ordering();
+    const [ann, bob] = [server.join(), server.join()];
+    edit(server, ann, [{ set: ['looks'], to: ['a'] }]);
+    ann.add({ edits: [{ add: ['looks'], to: 'a' }] }); // Such a list may have an element twice.
+    server.take(ann);
+    ann.refused(true);
+    server.replies.set(ann, []);
+    server.events.delete(ann);
+    edit(server, bob, [{ add: ['Datasets'], to: seeds('b') }]);
+    server.events.set(ann, []);
+    expect(ann.reset(server.document, server.revision)).toEqual([{ add: ['looks'], to: 'a' }]);
+    server.settle();
+    expect(look(ann)).toEqual(['a', 'a']);
+    expect(equal(ann.shown, server.document)).toBe(true);
+    expect(undo(server, ann)).toBe(true);
+    expect(look(bob)).toEqual(['a']);
+  });
+
+  it('keeps the steps that can be undone, and drops those that others have edited meanwhile', () => {
+    const server = new Ordering();
+    const [ann, bob] = [server.join(), server.join()];
+    edit(server, ann, [{ add: ['Datasets'], to: seeds('a') }]);
+    edit(server, ann, [{ set: ['Datasets', 'a', 'count'], to: 5 }]);
+    edit(server, ann, [{ set: ['Datasets', 'a', 'seed'], to: 2 }]);
+    server.events.delete(ann);
+    edit(server, bob, [{ set: ['Datasets', 'a', 'count'], to: 9 }]);
+    server.events.set(ann, []);
+    ann.reset(server.document, server.revision);
+    expect(undo(server, ann)).toBe(true);
+    expect(ann.shown['Datasets']).toEqual([
+      { name: 'ball', type: 'Volume' },
+      { ...seeds('a'), count: 9 },
+    ]);
+    expect(undo(server, ann)).toBe(true);
+    expect(bob.shown).toEqual(start);
+    expect(undo(server, ann)).toBe(false);
+  });
+});

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A document that several clients edit. The server orders all edits; this client's own are shown at once, on top of what the server has
 // ordered so far, and again on top of what it orders before them.
-import { type Edit, applied } from './edits';
+import { difference, wasOrdered } from './difference';
+import { type Edit, type Edited, applied } from './edits';
 import { type Json, type JsonObject, equal } from './json';
 import { UndoStacks, clamped, named } from './undo';
 
@@ -43,23 +44,34 @@ export class SharedDocument {
   get revision(): number {
     return this.baseRevision;
   }
+  /** What the server has ordered, without own edits that wait. */
+  get server(): JsonObject {
+    return this.base;
+  }
   /** How many own edits the server has not ordered yet. */
   get waiting(): number {
     return this.pending.length;
   }
 
-  /** Begins with the server's document, or goes on with a newer one after events were lost. Own edits that it lacks stay on top. */
-  reset(document: JsonObject, revision: number): void {
-    if (this.unsure && revision === this.baseRevision + 1) {
-      const guess = tryApplied(this.base, this.unsure.own.edits);
-      if (guess && equal(guess, document)) this.drop(this.unsure);
-    }
+  /**
+   * Begins with the server's document, or goes on with a newer one after events were lost. Own edits that it lacks stay on top. Returns
+   * the edits that it seems to have, among others that are unknown: they are not sent again, since that could carry them out twice.
+   */
+  reset(document: JsonObject, revision: number): readonly Edit[] | undefined {
+    const { unsure } = this;
+    const missed = revision - this.baseRevision;
     this.unsure = undefined;
+    const known =
+      unsure && wasOrdered(this.base, document, missed, unsure.own.edits)
+        ? this.takeOrdered(unsure)
+        : this.base;
+    this.history.others(difference(known, document), known);
     this.base = document;
     this.baseRevision = revision;
     this.pending = this.pending.filter((p) => p.revision === undefined || p.revision > revision);
-    this.history.clear();
     this.show();
+    const isGuess = unsure && missed !== 1 && !this.pending.includes(unsure);
+    return isGuess ? unsure.own.edits : undefined;
   }
 
   /** Adds an own edit. Throws EditError, and adds nothing, if it cannot be applied to what is shown. */
@@ -111,13 +123,26 @@ export class SharedDocument {
     this.base = edited.document;
     this.baseRevision = edit.revision;
     const entry = edit.isOwn ? this.ownOf(edit) : undefined;
-    const kind = entry?.own.history ?? 'edit';
-    if (entry) this.drop(entry);
-    if (entry && isStep(entry.own)) this.history.end();
-    if (entry && kind !== 'none') this.history.push(edited.inverse, edited.document, kind, entry.own.gesture);
+    if (entry) this.remember(entry, edit.edits, before, edited);
     else this.history.others(edit.edits, before);
     this.show();
     return true;
+  }
+
+  /** An own edit is in the server's order: it can be undone now. */
+  private remember({ own }: Pending, edits: readonly Edit[], before: JsonObject, edited: Edited): void {
+    this.pending = this.pending.filter((p) => p.own !== own);
+    if (isStep(own)) this.history.end();
+    const kind = own.history ?? 'edit';
+    if (kind === 'none') this.history.others(edits, before);
+    else this.history.push(edited.inverse, edited.document, kind, own.gesture);
+  }
+
+  /** The server has ordered an edit whose reply was lost. Returns what is known of the document then. */
+  private takeOrdered(entry: Pending): JsonObject {
+    const edited = applied(this.base, entry.own.edits);
+    this.remember(entry, entry.own.edits, this.base, edited);
+    return edited.document;
   }
 
   /**

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The list of data, from which views are opened.
 import { Foreign } from '../app/foreign';
+import { editing, useViewOnly } from '../app/view_only';
 import { useNotices } from '../app/notices';
 import { DATASET, useDatasets } from './data_list';
 
@@ -11,6 +12,7 @@ interface DataPanelProps {
 }
 
 export function DataPanel({ onView, onAdd }: DataPanelProps) {
+  const isViewOnly = useViewOnly();
   const datasets = useDatasets(useNotices((notices) => notices.fail));
   if (datasets.length === 0) return <p className="empty">The server has no data yet.</p>;
   return (
@@ -31,7 +33,7 @@ export function DataPanel({ onView, onAdd }: DataPanelProps) {
         {datasets.map(({ name, type, shared, generation }) => (
           <tr
             key={`${shared ? 'shared' : 'private'} ${name}`}
-            draggable={onAdd !== undefined}
+            draggable={onAdd !== undefined && !isViewOnly}
             onDragStart={(event) => {
               event.dataTransfer.setData(DATASET, name);
             }}
@@ -54,7 +56,10 @@ export function DataPanel({ onView, onAdd }: DataPanelProps) {
                 <button
                   type="button"
                   aria-label={`Add ${name} to the graph`}
-                  title="Add it to the graph, with a look and to the view; or drag it onto the canvas"
+                  {...editing(
+                    isViewOnly,
+                    'Add it to the graph, with a look and to the view; or drag it onto the canvas',
+                  )}
                   onClick={() => {
                     onAdd(name);
                   }}

@@ -3,12 +3,13 @@
 import { type KeyboardEvent, type ReactNode, useState } from 'react';
 import { useGraphStore } from '../canvas/graph_store';
 import { MapsTab } from '../maps/editor';
+import { StepsPanel } from '../steps/steps_panel';
 import { DataTab } from './data_tab';
 import { LogPanel } from './log_panel';
 import './panels.css';
 import { NodeForm, useSelectedNode } from './properties';
 
-const TABS = ['Live data', 'Properties', 'Maps', 'Data', 'Log'] as const;
+const TABS = ['Live data', 'Properties', 'Maps', 'Data', 'Log', 'Steps'] as const;
 type Tab = (typeof TABS)[number];
 
 export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
@@ -57,6 +58,7 @@ export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
         {tab === 'Maps' && (node ? <MapsTab node={node} /> : none)}
         {tab === 'Data' && (node ? <DataTab node={node} /> : none)}
         {tab === 'Log' && <LogPanel />}
+        {tab === 'Steps' && <StepsPanel />}
       </div>
     </div>
   );

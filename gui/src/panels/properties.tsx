@@ -9,6 +9,7 @@ import { type Catalogue, type Property, plainText } from '../graph/catalogue';
 import type { Edit } from '../graph/edits';
 import { type Json, member, textOf } from '../graph/json';
 import { type GraphNode, lookType } from '../graph/nodes';
+import { VIEW_ONLY } from '../graph/session';
 import { Field } from './fields';
 
 // What edges and the name's field say already, and what is not accepted.
@@ -148,6 +149,8 @@ function UnknownKeys({ node, known }: { node: GraphNode; known: readonly Propert
 
 export function NodeForm({ node }: { node: GraphNode }) {
   const catalogue = useGraphStore((s) => s.catalogue);
+  const isViewOnly = useSnapshot()?.isViewOnly === true;
+  const reason = useId();
   const properties = propertiesOf(node, catalogue);
   const usual = properties.filter((p) => !p.isAdvanced);
   const advanced = properties.filter((p) => p.isAdvanced);
@@ -166,14 +169,21 @@ export function NodeForm({ node }: { node: GraphNode }) {
           <Foreign text={kindOf(node)} />
         </span>
       </h2>
-      <NameField key={node.id} node={node} />
-      {usual.map(row)}
-      {advanced.length > 0 && (
-        <details open={advanced.some(isSet)}>
-          <summary>Advanced</summary>
-          {advanced.map(row)}
-        </details>
+      {isViewOnly && (
+        <p id={reason} className="hint">
+          {VIEW_ONLY}
+        </p>
       )}
+      <fieldset disabled={isViewOnly} aria-describedby={isViewOnly ? reason : undefined}>
+        <NameField key={node.id} node={node} />
+        {usual.map(row)}
+        {advanced.length > 0 && (
+          <details open={advanced.some(isSet)}>
+            <summary>Advanced</summary>
+            {advanced.map(row)}
+          </details>
+        )}
+      </fieldset>
       <UnknownKeys node={node} known={properties} />
       {help && <p className="hint">{plainText(help)}</p>}
     </form>

@@ -20,6 +20,8 @@ export const NO_FRAME: Frame = {
 
 interface OfWindow {
   isReady: boolean;
+  /** Newer data are not shown by themselves. */
+  isHeld: boolean;
   passes: number;
   /** What the server says while it prepares something. */
   progress: string;
@@ -28,9 +30,11 @@ interface OfWindow {
 }
 
 /** For people; an error begins with "error: ". */
-export function statusText(frame: Frame, { isReady, passes, progress, error }: OfWindow): string {
+export function statusText(frame: Frame, { isReady, isHeld, passes, progress, error }: OfWindow): string {
   const why = error || (frame.ended && frame.status === 'failed' ? frame.error : '');
   if (progress) return progress;
+  const shown = `${frame.pass + 1} of ${passes} passes`;
+  if (isHeld && frame.shown && frame.scale === 1 && frame.status === 'failed') return `lossless, ${shown}`; // Newer data have taken the place of these.
   if (why) return `error: ${why}`;
   if (!isReady) return 'loading data ...';
   if (frame.number === 0) return 'waiting for the first picture ...';
@@ -39,7 +43,6 @@ export function statusText(frame: Frame, { isReady, passes, progress, error }: O
     return `moving: JPEG${coarse}`;
   }
   if (frame.scale !== 1) return 'rendering ...';
-  const shown = `${frame.pass + 1} of ${passes} passes`;
   if (!frame.ended) return `lossless, refining: ${shown}`;
   return `lossless, ${shown}, ${frame.seconds.toFixed(2)} s`;
 }

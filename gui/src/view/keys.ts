@@ -90,6 +90,15 @@ export const KEYS: Key[] = [
     }),
   },
   {
+    keys: ['k'],
+    help: 'hold the picture, or follow newer data again',
+    actions: [
+      (view) => {
+        view.hold(!view.status.held);
+      },
+    ],
+  },
+  {
     keys: ['s'],
     help: 'spin, on and off',
     actions: [

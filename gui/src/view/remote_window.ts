@@ -61,6 +61,7 @@ export class RemoteWindow {
   private isChanged = false; // what is shown, since the server was told
   private isChanging = false; // the server has been told and has not answered
   private hidden = false;
+  private held = false;
   private told = ''; // the last statement of the window's size and whether it follows
   private camera: Camera | null = null;
   private cameraSent = false;
@@ -197,6 +198,19 @@ export class RemoteWindow {
     this.changed();
   }
 
+  /** A held window keeps its picture when newer data come. The camera still moves, and shows the newest. */
+  setHeld(held: boolean): void {
+    if (held === this.held) return;
+    this.held = held;
+    if (this.ready) this.tell();
+    if (!held && this.ready && !this.hidden) {
+      this.movingSent = true; // so that what has come meanwhile is shown at once
+      this.movedAt = -Infinity;
+      this.step();
+    }
+    this.changed();
+  }
+
   /** The box of all data that are shown; null as long as it is not known. */
   get box(): Box | null {
     return this.dataBox;
@@ -216,7 +230,7 @@ export class RemoteWindow {
     const { frame } = this;
     return {
       text: statusText(frame, {
-        ...{ isReady: this.ready, passes: this.passes, progress: this.progress },
+        ...{ isReady: this.ready, isHeld: this.held, passes: this.passes, progress: this.progress },
         error: this.setError || this.renderError,
       }),
       whole:
@@ -309,7 +323,10 @@ export class RemoteWindow {
   /** Says the window's size and whether it follows its data. What is said is kept, since both may change while that is not answered. */
   private windowText(): string {
     const { width, height } = this.size;
-    this.told = statement('viewer.window', [this.id], { size: [width, height], follow: !this.hidden });
+    this.told = statement('viewer.window', [this.id], {
+      size: [width, height],
+      follow: !this.hidden && !this.held,
+    });
     return this.told;
   }
 

@@ -33,6 +33,8 @@ export interface ViewStatus extends WindowStatus {
   /** Which of several visualizations and cameras of the document are shown; empty if there is one of each. */
   place: string;
   spinning: boolean;
+  /** Newer data are not shown by themselves. */
+  held: boolean;
 }
 
 /** What was found at a place of the picture. */
@@ -62,12 +64,17 @@ export class View {
   private spin = 0; // the animation frame that is asked for
   private hidden = false;
   private pickedNow: Picked | null = null;
-  private shown: ViewStatus = { ...NOTHING, place: '', spinning: false };
+  private held = false;
+  private shown: ViewStatus = { ...NOTHING, place: '', spinning: false, held: false };
   private readonly listeners = new Set<() => void>();
 
   /** Called with the camera once it rests after a motion. */
   onRest: (camera: JsonObject) => void = () => undefined;
   onNotice: (text: string) => void = () => undefined;
+  /** Of a view of a graph: has the graph say whether it is held. It then says so by showHeld(). */
+  onHold: ((held: boolean) => void) | null = null;
+  /** Why it cannot be held or released, for people; empty: it can. */
+  whyNotHeld = '';
   /** The place of the mouse, in pixels of the canvas, y upwards; null as long as it has not been over the picture. */
   under: Place | null = null;
 
@@ -95,6 +102,7 @@ export class View {
       this.onNotice(text);
     };
     this.window.setHidden(this.hidden);
+    this.window.setHeld(this.held);
     this.window.show(this.source.kind === 'graph' ? this.source : this.part(), this.passes, this.camera);
   }
 
@@ -180,6 +188,19 @@ export class View {
     this.window?.setHidden(hidden);
   }
 
+  /** Keeps the picture when newer data come, or follows them again. */
+  hold(held: boolean): void {
+    if (this.whyNotHeld !== '') this.onNotice(this.whyNotHeld);
+    else if (this.source.kind === 'graph') this.onHold?.(held);
+    else this.showHeld(held);
+  }
+  showHeld(held: boolean): void {
+    if (held === this.held) return;
+    this.held = held;
+    this.window?.setHeld(held);
+    this.changed();
+  }
+
   // --- motions; places are in pixels of the canvas, y upwards ---
 
   rotate(from: Place, to: Place): void {
@@ -257,7 +278,9 @@ export class View {
   async picture(): Promise<Uint8Array<ArrayBuffer>> {
     const { window, camera } = this;
     if (!window || !camera) throw new Error('screenshot: there is no picture yet');
-    if (window.status.whole) return this.pictures.png(window.id);
+    // A held picture cannot be made again: the data of its step may be gone.
+    const isKept = this.held && window.status.pass > 0;
+    if (window.status.whole || isKept) return this.pictures.png(window.id);
     const shown: Shown = this.source.kind === 'graph' ? this.source : this.part();
     return still(this.connection, this.pictures, { shown, camera, size: this.size, passes: this.passes });
   }
@@ -320,7 +343,7 @@ export class View {
       ...of('visualization', this.visualization, visualizationsOf(document).length),
       ...of('camera', this.cameraIndex, camerasOf(document).length),
     ].join(', ');
-    this.shown = { ...(this.window?.status ?? NOTHING), place, spinning: this.spin !== 0 };
+    this.shown = { ...(this.window?.status ?? NOTHING), place, spinning: this.spin !== 0, held: this.held };
     for (const listener of [...this.listeners]) listener();
   }
 }

@@ -2,6 +2,7 @@
 // All views as tabs.
 import { type KeyboardEvent, useRef } from 'react';
 import { Foreign } from '../app/foreign';
+import { openWindow } from '../app/view_address';
 import type { View } from './view';
 import { ViewPane } from './view_pane';
 import { useViews } from './views';
@@ -45,6 +46,20 @@ export function ViewArea({ onKey }: { onKey: (key: string, view: View) => boolea
             </button>
           ))}
         </div>
+        {front?.ofGraph && (
+          <button
+            type="button"
+            className="plain"
+            aria-label={`Open ${front.title} in a window of its own`}
+            title="Open it in a window of its own"
+            onClick={() => {
+              if (front.ofGraph && openWindow(front.ofGraph)) close(front.id);
+              else front.onNotice('The browser does not let this page open a window.');
+            }}
+          >
+            ↗
+          </button>
+        )}
         {front && (
           <button
             type="button"

@@ -4,6 +4,7 @@ import { type KeyboardEvent, useEffect, useRef, useSyncExternalStore } from 'rea
 import { Foreign } from '../app/foreign';
 import { Overlay } from '../overlay/overlay';
 import { OverlayToggles } from '../overlay/toggles';
+import { StepLine } from '../steps/step_line';
 import type { Size } from './camera';
 import { press } from './keys';
 import { listen } from './pointer';
@@ -71,6 +72,7 @@ function ViewLine({ view }: { view: View }) {
   const error = status.text.startsWith('error: ');
   return (
     <div className="view-line" data-whole={status.whole}>
+      <StepLine view={view} isHeld={status.held} />
       {error ? (
         <p className="view-error" role="alert">
           <Foreign text={status.text} />

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page beside a simulation that runs, in several windows, and for those who may only look.
+import { type ChildProcess, spawn } from 'node:child_process';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import type { Page } from 'playwright-core';
+import { afterAll, beforeAll, expect, inject, it } from 'vitest';
+import { Browser, openFile, savedPicture, whole } from './browser';
+import { openGraphFile, select, setProperty, state } from './canvas';
+import { decodePng, type Pixels } from './png';
+import { Server } from './server';
+
+let browser: Browser;
+let server: Server;
+const simulations: ChildProcess[] = [];
+beforeAll(async () => {
+  [browser, server] = await Promise.all([Browser.start(), Server.start(1)]);
+});
+afterAll(async () => {
+  for (const simulation of simulations) simulation.kill();
+  await browser.stop();
+  await server.stop();
+});
+
+/** A simulation whose steps differ, until the test ends it. */
+function simulate(name: string): ChildProcess {
+  server.make('gxydata', 'radial', '-r', '24', '-t', '4', '--array', 'oneBall', 'moving.vti');
+  const to = ['-P', new URL(server.url).port, '--token-file', server.token, '--name', name];
+  const simulation = spawn(
+    join(inject('programs'), 'simsim'),
+    ['moving_0000.vti', 'moving_0003.vti', '-n', '0', '-d', '0.3', ...to],
+    { cwd: server.folder, stdio: 'ignore' },
+  );
+  simulations.push(simulation);
+  return simulation;
+}
+
+async function opened(url = server.ticketUrl()): Promise<Page> {
+  const page = await browser.page(1280, 800);
+  await page.goto(url);
+  await page.getByText('Connected', { exact: true }).waitFor();
+  return page;
+}
+
+const SCENE = {
+  Datasets: [{ name: 'sim.oneBall', type: 'Volume' }],
+  Visualizations: [
+    {
+      name: 'view',
+      operators: [{ type: 'Volume', dataset: 'sim.oneBall', slices: [[0, 0, 1, 0]], 'data range': [0, 1.7] }],
+      camera: { viewpoint: [0, 0, 4], viewcenter: [0, 0, 0], viewup: [0, 1, 0], aov: 35 },
+    },
+  ],
+};
+
+const FIXED = {
+  ...SCENE,
+  Datasets: [{ name: 'sim.oneBall', type: 'Volume', filename: 'radial.vti', array: 'oneBall' }],
+};
+
+/** The picture that the key p saves, once it is whole. */
+async function pictureOf(page: Page): Promise<Pixels> {
+  await whole(page);
+  const coming = page.waitForEvent('download');
+  await page.locator('.picture').press('p');
+  return decodePng(readFileSync(await (await coming).path()));
+}
+
+/** The step that the view in front shows. */
+async function step(page: Page): Promise<number> {
+  const text = await page.locator('.view:not([hidden]) .step-shown').innerText();
+  return Number(/step (\d+)/.exec(text)?.[1]);
+}
+
+it('steps of a simulation come by themselves; a held view stays with its step until it is released', async () => {
+  const simulation = simulate('sim');
+  const page = await opened();
+  await openGraphFile(page, server.file('live.json', JSON.stringify(SCENE)));
+  await state(page, 'Visualizations/view', 'done');
+  await page.getByRole('tab', { name: 'Steps' }).click();
+  const row = page.getByRole('row', { name: /^sim / });
+  await row.getByText('live', { exact: true }).waitFor();
+  const first = await step(page);
+  await expect.poll(() => step(page)).toBeGreaterThan(first + 1);
+
+  const hold = page.getByRole('button', { name: 'Hold' });
+  await hold.click();
+  await page.locator('.held').waitFor();
+  // The server has two generations of data at most, so by then it can refine this picture no further.
+  const behind = async () => Number(await row.getByRole('cell').nth(4).innerText());
+  await expect.poll(behind).toBeGreaterThan(2);
+  const held = await step(page);
+  const picture = await savedPicture(page);
+  const before = await behind();
+  await expect.poll(behind).toBeGreaterThan(before + 1);
+  expect(await step(page)).toBe(held);
+  expect((await savedPicture(page)).rgba.equals(picture.rgba)).toBe(true);
+  await page.screenshot({ path: join(inject('pictures'), 'steps-light.png') });
+
+  await hold.click();
+  await page.locator('.held').waitFor({ state: 'detached' });
+  await expect.poll(() => step(page)).toBeGreaterThan(held + 2);
+  simulation.kill();
+  await row.getByText('ended', { exact: true }).waitFor();
+  await whole(page);
+  expect((await savedPicture(page)).rgba.equals(picture.rgba)).toBe(false);
+  browser.check();
+  await page.context().close();
+});
+
+it('a view of a state file is held, too', async () => {
+  const simulation = simulate('sim');
+  const page = await opened();
+  await openFile(page, server.file('live.json', JSON.stringify(SCENE)));
+  const first = await step(page);
+  await expect.poll(() => step(page)).toBeGreaterThan(first + 1);
+  await page.locator('.view:not([hidden]) .picture').focus();
+  await page.keyboard.press('k');
+  const front = page.locator('.view:not([hidden])');
+  await front.locator('.held').waitFor();
+  await expect.poll(() => front.locator('.step-shown').innerText()).toMatch(/, [3-9] behind/);
+  const held = await step(page);
+  await page.keyboard.press('k');
+  await expect.poll(() => step(page)).toBeGreaterThan(held);
+  simulation.kill();
+  browser.check();
+  await page.context().close();
+});
+
+it('who may only look sees the graph and its picture, and nothing that edits is enabled', async () => {
+  const owner = await opened();
+  await openGraphFile(owner, server.file('fixed.json', JSON.stringify(FIXED)));
+  await whole(owner);
+  const page = await browser.page(1280, 800);
+  await page.goto(server.url);
+  await page.getByLabel('Token').fill(readFileSync(`${server.token}.view`, 'utf8').trim());
+  await page.getByRole('button', { name: 'Connect' }).click();
+  await page.getByText('view only', { exact: true }).waitFor();
+  await page.getByLabel('Graph', { exact: true }).and(page.locator('select')).selectOption('fixed');
+  await state(page, 'Visualizations/view', 'done');
+  await page.getByText('1 other watches').waitFor();
+  await whole(page);
+  expect((await savedPicture(page)).rgba.equals((await savedPicture(owner)).rgba)).toBe(true);
+
+  const bar = page.getByRole('toolbar', { name: 'Graph', exact: true });
+  for (const name of ['New', 'Open', 'Drop', 'Undo', 'Redo', 'Pause', 'Run']) {
+    const button = bar.getByRole('button', { name, exact: true });
+    expect([name, await button.isDisabled()]).toEqual([name, true]);
+    expect(await button.getAttribute('title')).toContain('view-only');
+  }
+  expect(
+    await page
+      .getByRole('button', { name: /^Add .* to the graph$/ })
+      .first()
+      .isDisabled(),
+  ).toBe(true);
+  await select(page, 'Visualizations/view');
+  const fields = page.locator('.node-form').locator('input, select, textarea, button');
+  expect(await fields.count()).toBeGreaterThan(3);
+  for (const field of await fields.all()) expect(await field.isDisabled()).toBe(true);
+  await page.locator('.graph-canvas').focus();
+  for (const key of ['a', 'Delete']) {
+    await page.keyboard.press(key);
+    await expect.poll(() => page.locator('.canvas-message').innerText()).toContain('view-only');
+  }
+  expect(await page.locator('.menu').count()).toBe(0);
+  await page.screenshot({ path: join(inject('pictures'), 'view-only.png') });
+  browser.check();
+  await page.context().close();
+  await owner.context().close();
+});
+
+it('a view in a window of its own gets in by itself, follows edits, and goes on when the first window is closed', async () => {
+  const page = await opened();
+  await openGraphFile(page, server.file('apart.json', JSON.stringify(FIXED)));
+  await whole(page);
+  const coming = page.context().waitForEvent('page');
+  await page.getByRole('button', { name: /in a window of its own/ }).click();
+  const second = await coming;
+  await page.getByRole('tab', { name: 'apart / view' }).waitFor({ state: 'detached' });
+  await second.getByText('Connected', { exact: true }).waitFor();
+  await whole(second);
+  expect(second.url()).toBe(`${server.url}#view=apart/view`);
+  const token = readFileSync(server.token, 'utf8').trim();
+  for (const of of [page, second]) {
+    expect(await of.evaluate(() => JSON.stringify(localStorage))).not.toContain(token);
+    expect(await of.content()).not.toContain(token);
+  }
+  const pixels = async (): Promise<string> => (await pictureOf(second)).rgba.toString('base64');
+  const before = await pixels();
+  await select(page, 'Inline/view/0');
+  await setProperty(page, 'slices', '[[1, 0, 0, 0.5]]');
+  await expect.poll(pixels).not.toBe(before);
+  await second.screenshot({ path: join(inject('pictures'), 'view-window.png') });
+  await page.close();
+  const after = await pixels();
+  await second.locator('.picture').focus();
+  await second.keyboard.press('x');
+  await expect.poll(pixels).not.toBe(after);
+  await second.reload();
+  await whole(second);
+  browser.check();
+  await second.context().close();
+});
