@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page beside a simulation that runs, in several windows, and for those who may only look.
 import { type ChildProcess, spawn } from 'node:child_process';
-import { readFileSync } from 'node:fs';
+import { mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
@@ -201,4 +201,34 @@ it('a view in a window of its own gets in by itself, follows edits, and goes on 
   await whole(second);
   browser.check();
   await second.context().close();
+});
+
+it('files of the server are found by keyboard, viewed and added to a graph', async () => {
+  mkdirSync(join(server.folder, 'runs/new one'), { recursive: true });
+  server.make('gxydata', 'radial', '-r', '16', '--array', 'oneBall', 'runs/new one/small.vti');
+  const page = await opened();
+  await page.getByRole('button', { name: 'New', exact: true }).click();
+  await page.locator('.canvas-hint').waitFor();
+  await page.getByRole('button', { name: 'Browse files' }).press('Enter');
+  await page.getByRole('button', { name: 'Open folder runs', exact: true }).press('Enter');
+  await page.getByRole('button', { name: 'Open folder new one', exact: true }).press('Enter');
+  const view = page.getByRole('button', { name: 'View file small.vti' });
+  await expect.poll(() => view.evaluate((e) => e === document.activeElement)).toBe(true);
+  await page.keyboard.press('Enter');
+  await whole(page);
+  expect((await savedPicture(page)).rgba.some((byte) => byte > 200)).toBe(true);
+  const { datasets } = server.say('info small') as { datasets: { points: number[] }[] };
+  expect(datasets[0]?.points).toEqual([16, 16, 16]);
+
+  await page.screenshot({ path: join(inject('pictures'), 'files-light.png') });
+  await page.getByRole('button', { name: 'Add file small.vti to the graph' }).press('Enter');
+  await state(page, 'Datasets/small', 'done');
+  await whole(page);
+  await page.getByRole('tab', { name: 'Live data' }).click();
+  await page.getByRole('button', { name: 'Browse files' }).click();
+  await page.getByRole('button', { name: 'View file radial.vti' }).focus();
+  await page.keyboard.press('ArrowUp');
+  expect(await page.evaluate('document.activeElement.closest("tr").innerText')).not.toContain('radial.vti');
+  browser.check();
+  await page.context().close();
 });

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: which part is at which place.
 import { useEffect, useState } from 'react';
-import { showDataset } from '../canvas/actions';
+import { showDataset, showFile } from '../canvas/actions';
 import { GraphArea } from '../canvas/graph_area';
 import { useGraphStore } from '../canvas/graph_store';
 import { DataPanel } from '../panels/data_panel';
+import { FileBrowser } from '../panels/file_browser';
 import { PanelArea } from '../panels/panel_area';
 import { watchSteps } from '../steps/steps_store';
 import type { View } from '../view/view';
 import { ViewArea } from '../view/view_area';
-import { pressInView, viewData } from './commands';
+import { pressInView, viewData, viewFile } from './commands';
 import { ConnectPage, ConnectionStatus, LossBar } from './connection_state';
 import { Help } from './help';
 import { Layout } from './layout';
@@ -69,12 +70,18 @@ export function App() {
         properties={
           <PanelArea
             liveData={
-              <DataPanel
-                onView={(name) => {
-                  void viewData(server, name);
-                }}
-                onAdd={isGraphOpen ? (name) => void showDataset(name) : undefined}
-              />
+              <>
+                <FileBrowser
+                  onView={(path) => void viewFile(server, path)}
+                  onAdd={isGraphOpen ? (path) => void showFile(path) : undefined}
+                />
+                <DataPanel
+                  onView={(name) => {
+                    void viewData(server, name);
+                  }}
+                  onAdd={isGraphOpen ? (name) => void showDataset(name) : undefined}
+                />
+              </>
             }
           />
         }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the toolbar's buttons and the keys of the page do.
+import { withFreeNames } from '../panels/server_files';
 import { readDocument } from '../view/document';
 import type { View } from '../view/view';
 import { useViews } from '../view/views';
-import { objectOf } from '../wire/json';
+import { objectOf, objectsOf } from '../wire/json';
 import { statement } from '../wire/statement';
 import { download, stem } from './files';
 import { useNotices } from './notices';
@@ -38,6 +39,19 @@ export async function viewData(server: ServerConnection, name: string): Promise<
   try {
     const reply = await server.request(statement('viewer.scene', [name]));
     add(server, name, objectOf(reply, 'state'));
+  } catch (error) {
+    fail(error);
+  }
+}
+
+/** Imports a file of the server and opens a view of it, as its content suggests. */
+export async function viewFile(server: ServerConnection, path: string): Promise<void> {
+  try {
+    const [reply, info] = await Promise.all([
+      server.request(statement('viewer.scene', [path])),
+      server.request('data.info'),
+    ]);
+    add(server, path, withFreeNames(objectOf(reply, 'state'), objectsOf(info, 'datasets')));
   } catch (error) {
     fail(error);
   }

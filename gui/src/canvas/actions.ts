@@ -292,7 +292,15 @@ export async function showDataset(name: string, at?: Position): Promise<void> {
   try {
     const reply = (await connection.request(statement('viewer.scene', [name]))) as Json;
     const edit = change();
-    if (edit) addScene(edit, name, member(reply, 'state') ?? {}, at ?? below(edit));
+    if (!edit) return;
+    const scene = member(reply, 'state') ?? {};
+    const type = objectsIn(member(scene, 'Datasets')).find((d) => textOf(d, 'name') === name);
+    const known = store().live.find((d) => d.name === name);
+    const entry = { name, type: known?.type ?? dataTypeOf(textOf(type, 'type')) ?? 'Volume' };
+    const place = at ?? below(edit);
+    if (!edit.graph.byId.has(idOf('Datasets', name)))
+      edit.add(addNode(edit.document, 'Datasets', entry, place).edits);
+    finishScene(edit, [addLook(edit, { entry, shown: name }, scene, place)]);
   } catch (error) {
     say(messageOf(error));
   }
@@ -304,32 +312,62 @@ function below({ document, graph }: Change): Position {
   return [0, Math.max(0, ...bottoms)];
 }
 
-function addScene(edit: Change, name: string, scene: Json, [x, y]: Position): void {
-  const type = objectsIn(member(scene, 'Datasets')).find((d) => textOf(d, 'name') === name);
-  const known = store().live.find((d) => d.name === name);
-  const entry: JsonObject = { name, type: known?.type ?? dataTypeOf(textOf(type, 'type')) ?? 'Volume' };
-  const dataset = idOf('Datasets', name);
-  const isThere = edit.graph.byId.has(dataset);
-  if (!isThere) edit.add(addNode(edit.document, 'Datasets', entry, [x, y]).edits);
+/** Adds the datasets of a file of the server as nodes that read it, with looks that suit them, and shows them in a view. */
+export async function showFile(path: string): Promise<void> {
+  const { connection, say } = store();
+  if (!connection) return;
+  try {
+    const reply = (await connection.request(statement('viewer.scene', [path]))) as Json;
+    const edit = change();
+    if (!edit) return;
+    const scene = member(reply, 'state') ?? {};
+    const looks = objectsIn(member(scene, 'Datasets')).map((entry) => {
+      const place = below(edit);
+      const { id, edits } = addNode(edit.document, 'Datasets', entry, place);
+      edit.add(edits);
+      return addLook(edit, { entry, shown: id.slice('Datasets/'.length) }, scene, place);
+    });
+    finishScene(edit, looks);
+  } catch (error) {
+    say(messageOf(error));
+  }
+}
+
+/** Adds the look that a scene proposes for a dataset, which the graph calls `shown`, to a view. Returns the look's id and the view. */
+function addLook(
+  edit: Change,
+  { entry, shown }: { entry: JsonObject; shown: string },
+  scene: Json,
+  [x, y]: Position,
+): { id: string; view: string } {
+  const name = textOf(entry, 'name');
   const visualization = member(scene, 'Visualization') ?? objectsIn(member(scene, 'Visualizations'))[0] ?? {};
   const proposed = objectsIn(member(visualization, 'operators')).find((o) => textOf(o, 'dataset') === name);
   const look: JsonObject = {
     ...(proposed ?? firstLook(textOf(entry, 'type'))),
-    dataset: name,
-    name: `${name} look`,
+    dataset: shown,
+    name: `${shown} look`,
   };
-  const added = addNode(edit.document, 'Operators', look, [x + COLUMN, y]);
-  edit.add(added.edits);
+  const { id, edits } = addNode(edit.document, 'Operators', look, [x + COLUMN, y]);
+  edit.add(edits);
   const views = edit.graph.nodes.filter((n) => n.role === 'view');
   const view = views.find((v) => store().selection.includes(v.id)) ?? views[0];
-  const lookName = added.id.slice('Operators/'.length);
-  if (view) edit.add([{ add: [...view.path, 'operators'], to: lookName }]);
-  else {
-    const camera = member(scene, 'Camera') ?? objectsIn(member(scene, 'Cameras'))[0] ?? { fit: true };
-    const base = isObject(visualization) ? withoutMember(visualization, 'operators') : {};
-    const made = { ...base, name: 'view', operators: [lookName], camera };
-    edit.add(addNode(edit.document, 'Visualizations', made, [x + 2 * COLUMN, y]).edits);
+  const lookName = id.slice('Operators/'.length);
+  if (view) {
+    edit.add([{ add: [...view.path, 'operators'], to: lookName }]);
+    return { id, view: view.name };
   }
-  make(edit, [added.id]);
-  openView(view?.name ?? (namesOf(edit.document, 'Visualizations')[0] as string));
+  const camera = member(scene, 'Camera') ?? objectsIn(member(scene, 'Cameras'))[0] ?? { fit: true };
+  const base = isObject(visualization) ? withoutMember(visualization, 'operators') : {};
+  const made = { ...base, name: 'view', operators: [lookName], camera };
+  edit.add(addNode(edit.document, 'Visualizations', made, [x + 2 * COLUMN, y]).edits);
+  return { id, view: namesOf(edit.document, 'Visualizations')[0] as string };
+}
+
+function finishScene(edit: Change, looks: readonly { id: string; view: string }[]): void {
+  make(
+    edit,
+    looks.map(({ id }) => id),
+  );
+  if (looks[0]) openView(looks[0].view);
 }
