@@ -141,6 +141,7 @@ describe('a user', () => {
       .getByRole('row', { name: /simsim.oneBall/ })
       .dragTo(pane, { targetPosition: { x: 20, y: 300 } });
     await state(page, 'Visualizations/view', 'done'); // shown after two gestures: a new graph, and data dragged into it
+    for (let i = 0; i < 3; i++) await page.locator('.react-flow__controls-zoomout').click(); // room for five nodes
     await addByMouse(page, 'simsim.eightBalls', 'Datasets/simsim.eightBalls', [0.04, 0.06]);
     await addByMouse(page, 'Derive', 'Datasets/derive', [0.36, 0.06]);
     await addByMouse(page, 'IsosurfaceSampler', 'Datasets/isosurfaceSampler', [0.36, 0.36]);

@@ -68,7 +68,7 @@ it('two views are tabs of their own; the one in front is shown, and each closes 
   // The first one is not asked for while it is behind, and the second is whole: nothing is rendered.
   const frames = () => (server.say('stat')['tenants'] as { frames: number }[])[0]?.frames;
   const before = frames();
-  expect(await page.locator('.view-line[data-whole=true]').count()).toBe(2);
+  await expect.poll(() => page.locator('.view-line[data-whole=true]').count()).toBe(2);
   expect(frames()).toBe(before);
   await page.getByRole('tab', { name: 'ball.json' }).click();
   await whole(page);

@@ -18,6 +18,18 @@ export const NO_FRAME: Frame = {
   ...{ status: '', error: '', seconds: 0 },
 };
 
+export interface WindowStatus {
+  /** For people; an error begins with "error: ". */
+  text: string;
+  /** Whether the picture is that of the newest camera with all its passes. */
+  whole: boolean;
+  /** Of the newest frame: whether its pixels are without loss, how many passes of how many. */
+  lossless: boolean;
+  pass: number;
+  passes: number;
+  generations: Record<string, number>;
+}
+
 interface OfWindow {
   isReady: boolean;
   /** Newer data are not shown by themselves. */

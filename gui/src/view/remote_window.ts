@@ -8,7 +8,7 @@ import type { FrameEnded, PassShown } from '../worker/messages';
 import { type Box, boxFrom, type Camera, cameraFrom, cameraJson, rangesFrom, type Size } from './camera';
 import { FrameCameras } from './frame_cameras';
 import { FramesAsked } from './frames_asked';
-import { type Frame, NO_FRAME, statusText } from './frame_status';
+import { type Frame, NO_FRAME, statusText, type WindowStatus } from './frame_status';
 import { type Detail, Pace } from './pace';
 import type { Pictures } from './pictures';
 
@@ -16,18 +16,6 @@ import type { Pictures } from './pictures';
 export type Shown =
   | { kind: 'document'; document: JsonObject }
   | { kind: 'graph'; graph: string; view: string };
-
-export interface WindowStatus {
-  /** For people; an error begins with "error: ". */
-  text: string;
-  /** Whether the picture is that of the newest camera with all its passes. */
-  whole: boolean;
-  /** Of the newest frame: whether its pixels are without loss, how many passes of how many. */
-  lossless: boolean;
-  pass: number;
-  passes: number;
-  generations: Record<string, number>;
-}
 
 /** What the picture that is shown was made from. */
 export interface Seen {

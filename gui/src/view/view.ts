@@ -7,7 +7,8 @@ import { statement } from '../wire/statement';
 import { type Camera, cameraJson, type Size, vectorIn } from './camera';
 import { camerasOf, datasetsOf, raysPerPixelOf, shownPart, visualizationsOf, withCamera } from './document';
 import type { Pictures } from './pictures';
-import { RemoteWindow, type Seen, type Shown, type WindowStatus } from './remote_window';
+import type { WindowStatus } from './frame_status';
+import { RemoteWindow, type Seen, type Shown } from './remote_window';
 import { still } from './still';
 import {
   lookAlong,
