@@ -63,6 +63,10 @@ describe.each([1, 3])('on %i ranks', (ranks) => {
     const { width, height, box } = await canvasOf(page);
     const picture = await savedPicture(page);
     expectEqual(picture, rendered(server, scene, width, height));
+    // Box, axes, legend and handles stand over the picture until their keys hide them.
+    await page.getByRole('application').focus();
+    for (const key of ['a', 'g']) await page.keyboard.press(key);
+    await expect.poll(() => page.locator('.overlay *').count()).toBe(0);
     const clip = { x: Math.round(box.x), y: Math.round(box.y), width, height };
     // The message that the picture is saved lies over it for a while.
     await expect
