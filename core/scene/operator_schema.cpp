@@ -77,7 +77,7 @@ void readComponent(const Found& found, Vis& vis) {
 constexpr const char *kFlatCells = "flat", *kSmoothCells = "smooth";
 
 void readCells(const Found& found, Vis& vis) {
-  const std::string how = found.text();
+  const std::string& how = found.text();
   if (how != kFlatCells && how != kSmoothCells) found.fail("\"flat\" or \"smooth\"");
   vis.cells = how == kFlatCells ? CellsShown::Flat : CellsShown::Smooth;
 }
