@@ -102,8 +102,7 @@ class Graph:
         return iter(self.nodes)
 
     def save(self, file: Union[str, os.PathLike[str]]) -> None:
-        """Writes the document to a state file of this machine, which Session.load() reads, and other programs of Galaxy, too. These know
-        no cameras of views: View.save() writes a file for their picture."""
+        """Writes the document to a state file of this machine, which Session.load() reads, and other programs of Galaxy, too."""
         write_document(file, self.document)
 
     # Nodes that are made
