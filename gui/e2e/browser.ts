@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The browser of a test: Debian's Chromium without a display.
+import axe from 'axe-core';
 import { readFileSync } from 'node:fs';
 import { type Browser as Chromium, chromium, type Page } from 'playwright-core';
 import { expect } from 'vitest';
@@ -48,6 +49,18 @@ export class Browser {
   async stop(): Promise<void> {
     await this.chromium.close();
   }
+}
+
+/** What axe-core finds on the page that is serious or critical. */
+export async function seriousFindings(page: Page): Promise<string[]> {
+  await page.evaluate(axe.source);
+  return page.evaluate(async () => {
+    const { axe: tool } = window as unknown as { axe: typeof axe };
+    const { violations } = await tool.run();
+    return violations
+      .filter((v) => v.impact === 'serious' || v.impact === 'critical')
+      .map((v) => `${v.id}: ${v.help}: ${v.nodes.map((n) => n.html).join(' ')}`.slice(0, 600));
+  });
 }
 
 /** Chooses a state file of this machine in the page. */

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Graphs on the canvas: opened, built by mouse and by keyboard, wrong and mended, by two users, and after a reload.
-import axe from 'axe-core';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, savedPicture, whole } from './browser';
+import { Browser, canvasOf, savedPicture, seriousFindings, whole } from './browser';
 import {
   addByMouse,
   card,
@@ -358,21 +357,7 @@ describe('a user', () => {
     await state(page, 'Datasets/lines', 'done');
     await select(page, 'Datasets/lines');
     const check = async (): Promise<void> => {
-      await page.evaluate(axe.source);
-      const found = await page.evaluate(async () => {
-        const { axe: tool } = window as unknown as { axe: typeof axe };
-        const { violations } = await tool.run();
-        return violations
-          .filter((v) => v.impact === 'serious' || v.impact === 'critical')
-          .map(
-            (v) =>
-              `${v.id}: ${v.help}: ${v.nodes
-                .map((n) => n.html)
-                .join(' ')
-                .slice(0, 600)}`,
-          );
-      });
-      expect(found).toEqual([]);
+      expect(await seriousFindings(page)).toEqual([]);
     };
     await check();
     for (const tab of ['Live data', 'Data', 'Log']) {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Overlays and handles in the picture: slices, clip planes and isovalues that are moved by hand, and what surface a place shows.
-import axe from 'axe-core';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Locator, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, openFile, saved, whole } from './browser';
+import { Browser, canvasOf, openFile, saved, seriousFindings, whole } from './browser';
 import { openGraphFile, publishFigure1, renderedFigure, savedGraph, select, state } from './canvas';
 import { decodePng, type Pixels } from './png';
 import { Server } from './server';
@@ -222,21 +221,7 @@ it('the view of a state file has handles, whose motions are saved and undone', a
 it.each(['light', 'dark'] as const)('who cannot see finds the handles, theme %s', async (scheme) => {
   const page = await opened(1280, 800, scheme);
   await openedGraph(page);
-  await page.evaluate(axe.source);
-  const found = await page.evaluate(async () => {
-    const { axe: tool } = window as unknown as { axe: typeof axe };
-    const { violations } = await tool.run();
-    return violations
-      .filter((v) => v.impact === 'serious' || v.impact === 'critical')
-      .map(
-        (v) =>
-          `${v.id}: ${v.help}: ${v.nodes
-            .map((n) => n.html)
-            .join(' ')
-            .slice(0, 600)}`,
-      );
-  });
-  expect(found).toEqual([]);
+  expect(await seriousFindings(page)).toEqual([]);
   await page.screenshot({ path: join(inject('pictures'), `handles-${scheme}.png`) });
   // Off: nothing of them is on the page.
   await page.getByRole('application', { name: /^Picture/ }).focus();

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The maps of a look: an opacity by mouse and by number, presets in and out, and what the page then shows.
-import axe from 'axe-core';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, saved, savedPicture, whole } from './browser';
+import { Browser, canvasOf, saved, savedPicture, seriousFindings, whole } from './browser';
 import { card, openGraphFile, savedGraph, state } from './canvas';
 import { decodePng } from './png';
 import { Server } from './server';
@@ -67,17 +66,6 @@ function rendered(document: Record<string, unknown>, size: string): Buffer {
   const text = JSON.stringify({ ...document, Renderer: { ...DOCUMENT.Renderer, 'rays per pixel': PASSES } });
   server.make('gxyrender', server.file('saved.json', text), '-o', 'saved', '--size', size);
   return readFileSync(join(server.folder, 'saved_00000.png'));
-}
-
-async function seriousFindings(page: Page): Promise<string[]> {
-  await page.evaluate(axe.source);
-  return page.evaluate(async () => {
-    const { axe: tool } = window as unknown as { axe: typeof axe };
-    const { violations } = await tool.run();
-    return violations
-      .filter((v) => v.impact === 'serious' || v.impact === 'critical')
-      .map((v) => `${v.id}: ${v.nodes.map((n) => n.html).join(' ')}`.slice(0, 600));
-  });
 }
 
 describe('a user', () => {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Views: of data and of state files, several at a time, of any size, hidden, and without trouble for screen readers.
 import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, openFile, saved, savedPicture, whole } from './browser';
+import { Browser, canvasOf, openFile, saved, savedPicture, seriousFindings, whole } from './browser';
 import { decodePng } from './png';
 import { Server } from './server';
 
@@ -18,12 +17,6 @@ afterAll(async () => {
   await browser.stop();
   await server.stop();
 });
-
-interface Violation {
-  impact: string;
-  id: string;
-  nodes: { html: string }[];
-}
 
 async function open(
   width: number,
@@ -160,19 +153,11 @@ it.each(['light', 'dark'] as const)('axe-core finds nothing serious in the %s th
   if (scheme === 'light') await whole(page);
   else await page.getByText('lossless').waitFor();
   await page.screenshot({ path: join(inject('pictures'), `page-${scheme}.png`) });
-  const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-  await page.evaluate(axe);
-  const look = async () => {
-    const { violations } = await page.evaluate<{ violations: Violation[] }>('axe.run()');
-    return violations
-      .filter(({ impact }) => impact === 'serious' || impact === 'critical')
-      .map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html).join(', ')}`);
-  };
-  expect(await look()).toEqual([]);
+  expect(await seriousFindings(page)).toEqual([]);
   await page.getByRole('application').focus();
   await page.keyboard.press('?');
   await page.getByRole('dialog').waitFor();
-  expect(await look()).toEqual([]);
+  expect(await seriousFindings(page)).toEqual([]);
   await page.getByRole('button', { name: 'Close', exact: true }).click();
   browser.check();
   await page.context().close();

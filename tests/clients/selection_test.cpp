@@ -61,6 +61,27 @@ TEST(Selection, AnotherStateIsShownAtTheSamePlaceAsFarAsItHasIt) {
   EXPECT_EQ(selection.camera().annotation, "2");
 }
 
+TEST(Selection, AViewIsSeenFromItsOwnCamera) {
+  State state = stateOf({"a", "view"}, {"d", "e"});
+  state.visualizations[1].view.camera.emplace().annotation = "own";
+  state.visualizations[1].view.size = glm::ivec2(40, 30);
+  Selection selection(state);
+  EXPECT_EQ(selection.camera().annotation, "d");
+  selection.nextVisualization(1);
+  EXPECT_EQ(selection.camera().annotation, "own");
+  EXPECT_EQ(selection.camera().dimensions, glm::ivec2(40, 30));
+  EXPECT_EQ(selection.text(), "visualization 2 of 2, view");
+  EXPECT_EQ(selection.shown().cameras.at(0), selection.camera());
+  EXPECT_EQ(selection.shown().visualizations.at(0).view, ViewSettings());
+  Camera moved = selection.camera();
+  moved.aov = 12;
+  const State saved = selection.with(moved);
+  EXPECT_EQ(saved.visualizations[1].view.camera, moved);
+  EXPECT_EQ(saved.cameras, state.cameras);
+  selection.nextVisualization(1);
+  EXPECT_EQ(selection.camera().annotation, "d");
+}
+
 TEST(Selection, SaysWhichOfSeveralIsShown) {
   EXPECT_EQ(Selection(stateOf({""}, {"only"})).text(), "");
   EXPECT_EQ(Selection(stateOf({"", ""}, {""})).text(), "visualization 1 of 2");

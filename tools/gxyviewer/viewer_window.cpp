@@ -266,8 +266,10 @@ class ViewerWindow {
   }
 
   void nextVisualization(int by) {
+    const Camera before = selection_.camera();
     selection_.nextVisualization(by);
     remote_.show(selection_.shown());
+    if (!(selection_.camera() == before)) backToCamera();  // One of them is a view with a camera of its own.
   }
 
   void nextOperator(int by) {
