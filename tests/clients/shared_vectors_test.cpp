@@ -70,7 +70,8 @@ class Trackball {
 json trackballVectors() {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> component(-3, 3);
-  const auto vec = [&] { return glm::dvec3(component(random), component(random), component(random)); };
+  // Braces fix the order in which the numbers are drawn; the arguments of a call have none.
+  const auto vec = [&] { return glm::dvec3{component(random), component(random), component(random)}; };
   json cases = json::array();
   for (int i = 0; i < 40; i++) {
     Camera camera;
@@ -84,8 +85,8 @@ json trackballVectors() {
     const auto number = [&](int least, int most) {
       return std::uniform_int_distribution(least, most)(random);
     };
-    const glm::ivec2 from(number(60, 200), number(60, 200)),
-        to = from + glm::ivec2(number(-60, 60), number(-60, 60));
+    const glm::ivec2 from{number(60, 200), number(60, 200)};
+    const glm::ivec2 to = from + glm::ivec2{number(-60, 60), number(-60, 60)};
     const std::string motion = std::array{"rotate", "roll", "pan", "zoom"}[size_t(i % 4)];
     cases.push_back({{"camera", jsonOf(camera)},
                      {"size", {camera.dimensions.x, camera.dimensions.y}},
