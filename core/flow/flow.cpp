@@ -136,8 +136,11 @@ bool Flow::Shown::needs(const DataId& data) const {
                      [&](const ShownData& item) { return item.data == data; });
 }
 
-void Flow::show(const std::string& view) {
-  if (windows_.insert(view).second) settle();
+void Flow::show(const std::string& view, bool follow) {
+  const auto [shown, isNew] = windows_.try_emplace(view, follow);
+  if (!isNew && shown->second == follow) return;
+  shown->second = follow;
+  settle();
 }
 
 void Flow::hide(const std::string& view) {

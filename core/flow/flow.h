@@ -69,8 +69,9 @@ class Flow {
 
   // Demand.
 
-  /// A window shows a view, or none does. A view that the document does not have yet, or not any more, may be shown.
-  void show(const std::string& view);
+  /// A window shows a view, or none does. A view that the document does not have yet, or not any more, may be shown. Without `follow`
+  /// the view takes no newer data, whatever its document says; edits are evaluated nevertheless. Called again, changes that.
+  void show(const std::string& view, bool follow = true);
   void hide(const std::string& view);
   /// Nothing new begins until resume(), but for what run() asks for.
   void pause();
@@ -219,7 +220,7 @@ class Flow {
   uint64_t nextEvaluation_ = 1;
   uint64_t now_ = 0;
 
-  std::set<std::string> windows_;  // views that are shown
+  std::map<std::string, bool> windows_;  // views that are shown, and whether they follow
   bool paused_ = false;
   std::set<TargetId> allowed_;       // by run(), while paused
   std::map<TargetId, Target> runs_;  // asked for by run()

@@ -58,8 +58,13 @@ bool Flow::isDemanded(const TargetId& id) const {
 
 std::vector<Target> Flow::demanded() const {
   std::vector<Target> out;
-  for (const Target& target : document_->targets())
-    if (isDemanded(target.id)) out.push_back(target);
+  for (const Target& target : document_->targets()) {
+    if (!isDemanded(target.id)) continue;
+    out.push_back(target);
+    if (const auto window = windows_.find(target.id.name);
+        target.id.kind == TargetId::Kind::View && window != windows_.end())
+      out.back().follow = target.follow && window->second;
+  }
   for (const auto& [id, target] : runs_) out.push_back(target);
   return out;
 }

@@ -250,7 +250,7 @@ uint64_t Graph::show(const std::string& view, std::function<void()> changed) {
   const std::lock_guard lock(mutex_);
   checkNotEnded();
   const uint64_t window = nextWindow_++;
-  windows_[view][window] = std::move(changed);
+  windows_[view][window].changed = std::move(changed);
   viewOf_[window] = view;
   flow_.show(view);
   act();
@@ -258,16 +258,37 @@ uint64_t Graph::show(const std::string& view, std::function<void()> changed) {
   return window;
 }
 
+bool Graph::isFollowed(const std::string& view) const {
+  const auto windows = windows_.find(view);
+  return windows != windows_.end() && std::any_of(windows->second.begin(), windows->second.end(),
+                                                  [](const auto& window) { return window.second.follow; });
+}
+
+void Graph::setFollow(uint64_t window, bool follow) {
+  const std::lock_guard lock(mutex_);
+  const std::string& view = viewOf_.at(window);
+  windows_.at(view).at(window).follow = follow;
+  if (isEnded_) return;
+  flow_.show(view, isFollowed(view));
+  act();
+  wantNews();
+}
+
 void Graph::hide(uint64_t window) {
   const std::lock_guard lock(mutex_);
   const std::string view = viewOf_.extract(window).mapped();
   auto& windows = windows_[view];
   windows.erase(window);
-  if (!windows.empty()) return;
-  windows_.erase(view);
-  shown_.erase(view);
+  const bool isShown = !windows.empty();
+  if (!isShown) {
+    windows_.erase(view);
+    shown_.erase(view);
+  }
   if (isEnded_) return;
-  flow_.hide(view);
+  if (isShown)
+    flow_.show(view, isFollowed(view));
+  else
+    flow_.hide(view);
   act();
   wantNews();
 }
@@ -277,19 +298,19 @@ void Graph::follow(const std::pair<std::string, std::string>& renamed) {
   const auto& [from, to] = renamed;
   auto windows = windows_.extract(from);
   if (windows.empty()) return;
-  for (auto& [number, changed] : windows.mapped()) {
+  for (auto& [number, window] : windows.mapped()) {
     viewOf_[number] = to;
-    windows_[to][number] = std::move(changed);
+    windows_[to][number] = std::move(window);
   }
   if (auto shown = shown_.extract(from)) shown_[to] = std::move(shown.mapped());
   flow_.hide(from);
-  flow_.show(to);
+  flow_.show(to, isFollowed(to));
 }
 
 void Graph::viewsChanged() {
   serial_++;
   for (const auto& [view, windows] : windows_)
-    for (const auto& [number, changed] : windows) post(changed);
+    for (const auto& [number, window] : windows) post(window.changed);
 }
 
 // Data.
@@ -421,7 +442,7 @@ void Graph::postUnlessEnding(std::function<void()> task) {
 void Graph::wantNews() {
   std::vector<std::string> names;
   for (const flow::Target& target : flow_.document().targets()) {
-    const bool isNeeded = target.id.kind == flow::TargetId::Kind::Output || windows_.contains(target.id.name);
+    const bool isNeeded = target.id.kind == flow::TargetId::Kind::Output || isFollowed(target.id.name);
     if (!isNeeded || !target.follow || flow_.isPaused()) continue;
     for (size_t source : target.sources)
       if (const DatasetSpec& spec = flow_.document().nodes()[source].spec; spec.isLive())

@@ -82,6 +82,8 @@ class Graph : public std::enable_shared_from_this<Graph> {
 
   /// A window shows a view from now on; `changed` is called on a thread that may wait, when content() may be another. Returns its number.
   uint64_t show(const std::string& view, std::function<void()> changed);
+  /// Whether the window wants newer data, as it does at first. A view takes newer data while one of its windows wants them.
+  void setFollow(uint64_t window, bool follow);
   void hide(uint64_t window);
   /// What a window shows, or one on a view would. A window goes with its view where that is renamed.
   ViewContent content(uint64_t window) const;
@@ -189,6 +191,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   void postUnlessEnding(std::function<void()> task);
   ViewContent contentOf(const std::string& view) const;
   void follow(const std::pair<std::string, std::string>& renamedView);
+  bool isFollowed(const std::string& view) const;
   void viewsChanged();
   void release();
 
@@ -277,12 +280,16 @@ class Graph : public std::enable_shared_from_this<Graph> {
   std::shared_ptr<void> wish_;                                  ///< for newer data
 
   uint64_t serial_ = 0, nextWindow_ = 1;
-  std::map<std::string, std::map<uint64_t, std::function<void()>>> windows_;  ///< by view
-  std::map<uint64_t, std::string> viewOf_;                                    ///< by window
-  std::map<std::string, Shown> shown_;                                        ///< by view
-  std::map<std::string, Series> series_;                                      ///< by node
-  std::map<std::string, Writing> writing_;                                    ///< outputs that are being made
-  std::map<std::string, OutputJob> due_;        ///< outputs that are to be made next
+  struct ViewWindow {
+    std::function<void()> changed;
+    bool follow = true;
+  };
+  std::map<std::string, std::map<uint64_t, ViewWindow>> windows_;  ///< by view
+  std::map<uint64_t, std::string> viewOf_;                         ///< by window
+  std::map<std::string, Shown> shown_;                             ///< by view
+  std::map<std::string, Series> series_;                           ///< by node
+  std::map<std::string, Writing> writing_;                         ///< outputs that are being made
+  std::map<std::string, OutputJob> due_;                           ///< outputs that are to be made next
   std::map<std::string, Written> written_;      ///< outputs that were made, or could not be
   std::map<std::string, Published> published_;  ///< by output
   std::map<uint64_t, Watcher> watchers_;        ///< by session

@@ -27,6 +27,8 @@ class GraphView {
   GraphView& operator=(const GraphView&) = delete;
 
   ViewContent content() const { return graph_->content(window_); }
+  /// Whether the window wants newer data, as it does at first.
+  void setFollow(bool follow) { graph_->setFollow(window_, follow); }
 
  private:
   const std::shared_ptr<Graph> graph_;

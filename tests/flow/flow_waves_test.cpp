@@ -145,6 +145,23 @@ TEST_F(FlowTest, WhatOnlyACancelledEvaluationReadsIsHeldButNotAdopted) {
   EXPECT_EQ(taken<ReleaseGeneration>().size(), 1u);
 }
 
+TEST_F(FlowTest, AViewThatNoWindowFollowsTakesNoNewerDataButEdits) {
+  flow_.show("v");
+  flow_.edit({{live("a"), shift("b", "a")}, {{"v", {"b"}}}, {}});
+  flow_.update("a", data(1, 1));
+  finishAll();
+  flow_.show("v", false);
+  flow_.update("a", data(1, 2));
+  EXPECT_EQ(started(), Names{});
+  EXPECT_FALSE(flow_.isBusy());
+  flow_.edit({{live("a"), shift("b", "a", 2)}, {{"v", {"b"}}}, {}});
+  finishAll();
+  flow_.update("a", data(1, 3));
+  EXPECT_EQ(started(), Names{});
+  flow_.show("v");
+  EXPECT_EQ(started(), Names{"b"});
+}
+
 TEST_F(FlowTest, AViewThatWaitsForItsStepIsNotPassedOver) {
   flow_.show("v");
   flow_.show("w");

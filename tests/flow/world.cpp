@@ -169,8 +169,8 @@ void World::changeDemand() {
       seen_.erase({TargetId::Kind::View, view});
       return flow_.hide(view);
     default:
-      windows_.insert(view);
-      return flow_.show(view);
+      windows_[view] = !random_.oneIn(4);
+      return flow_.show(view, windows_[view]);
   }
 }
 
@@ -247,11 +247,12 @@ void World::answerAdoption() {
 // Views of what is not to be kept let go of it, or show something newer.
 void World::refuse(uint64_t hold, const Id& id) {
   std::set<TargetId> have;
-  for (const auto& [target, seen] : seen_)
+  for (const auto& [target, seen] : seen_) {
+    const bool isMadeAgain = runAsked_ && target.kind == TargetId::Kind::Output;  // it let go of all at once
+    if (!actions_.empty() || isMadeAgain || !isDemanded(target) || seen.isHeld || seen.isWritten) continue;
     for (const flow::ShownData& item : seen.what.data)
-      if (actions_.empty() && isDemanded(target) && !seen.isHeld && !seen.isWritten &&
-          item.data == flow::DataId(id))
-        have.insert(target);
+      if (item.data == flow::DataId(id)) have.insert(target);
+  }
   flow_.refused(hold, "no room");
   takeActions();
   for (const flow::Action& action : actions_) {

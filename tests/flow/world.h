@@ -88,6 +88,7 @@ class World {
   void checkPins();
   void checkNeeded(const Evaluation& evaluation);
   bool isDemanded(const flow::TargetId& id) const;
+  bool isFollowed(const flow::TargetId& id) const;
   std::set<std::string> closure(const flow::Document& document, const std::vector<std::string>& shown) const;
   std::vector<std::string> shownBy(const flow::Document& document, const flow::TargetId& id) const;
   std::string stateOf(const flow::TargetId& id, const std::string& name) const;
@@ -111,9 +112,9 @@ class World {
   bool runAsked_ = false;  // since the graph was idle last
   bool hasAsked_ =
       false;  // it is not known here of which nodes the failures are forgotten, or made by cancelling
-  std::set<std::string> windows_;
-  std::map<uint64_t, int64_t> steps_;  // of publishers
-  std::map<size_t, int64_t> due_;      // names that have to publish the step that others have published
+  std::map<std::string, bool> windows_;  // views that are shown, and whether they follow
+  std::map<uint64_t, int64_t> steps_;    // of publishers
+  std::map<size_t, int64_t> due_;        // names that have to publish the step that others have published
   std::deque<std::vector<flow::Flow::Update>> unsaid_;
   std::set<Id> lost_;
 

@@ -20,6 +20,10 @@ bool World::isDemanded(const TargetId& id) const {
                      [&](const flow::ViewSpec& view) { return view.name == id.name; });
 }
 
+bool World::isFollowed(const TargetId& id) const {
+  return id.kind == TargetId::Kind::Output || windows_.at(id.name);
+}
+
 std::vector<std::string> World::shownBy(const flow::Document& document, const TargetId& id) const {
   for (const flow::OutputSpec& output : document.outputs)
     if (id.kind == TargetId::Kind::Output && output.name == id.name) {
@@ -171,7 +175,7 @@ void World::rest() {
   if (!errors.empty()) return;
   checkQuiet();
   for (const flow::Target& target : flow_.document().targets())
-    if (isDemanded(target.id)) checkTarget(target.id, target.follow);
+    if (isDemanded(target.id)) checkTarget(target.id, target.follow && isFollowed(target.id));
   for (const flow::Node& node : flow_.document().nodes())
     counters.leftOut += int64_t(flow_.state({flow::NodeId::Kind::Dataset, node.spec.name}).leftOut);
 }
@@ -220,7 +224,7 @@ void World::checkTarget(const TargetId& id, bool follows) {
 }
 
 void World::leave() {
-  for (const std::string& view : windows_) flow_.hide(view);
+  for (const auto& [view, follows] : windows_) flow_.hide(view);
   windows_.clear();
   flow::Document document = newestDocument();
   document.outputs.clear();

@@ -175,6 +175,31 @@ TEST(GraphViews, WithoutAWindowNothingRuns) {
   EXPECT_EQ(c.node("v", "view").at("text"), "no window shows it");
 }
 
+TEST(GraphViews, ThatAWindowDoesNotFollowTakeNoNewerData) {
+  const auto server = serveGraphs(2);
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  GraphClient c(*server);
+  c.say(importBall("ball"));
+  c.say(importBall("twice", "twice.vol"));
+  TwoFields fields(*server);
+  fields.publish("ball");
+  c.say(newGraph({liveVolume("p")}, json::array({viewOf("v", {"p"})})));
+  c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
+  EXPECT_EQ(c.say("windows").at("windows").at(0).at("follow"), true);
+  c.untilState("v", "done", "view");
+  EXPECT_EQ(c.screen.waitFor(1, c.say("render 1").at("frame")).status, "complete");
+  const auto first = c.screen.picture(1).rgba;
+  c.say(R"(window 1 {"follow": false})");
+  fields.publish("twice");
+  c.say("graph.wait g");
+  EXPECT_EQ(c.screen.waitFor(1, c.say("render 1").at("frame")).json.at("generations"), (json{{"p", 1}}));
+  EXPECT_EQ(c.screen.picture(1).rgba, first);
+  c.say(R"(window 1 {"follow": true})");
+  const Screen::End end = c.screen.waitFor(1, 3);  // the server begins it by itself
+  EXPECT_EQ(end.json.at("generations"), (json{{"p", 2}}));
+  EXPECT_NE(c.screen.picture(1).rgba, first);
+}
+
 TEST(GraphViews, OfAnAdoptedStepTurnOnWhileThePublisherGoesOn) {
   ServerRankOptions options;
   options.adoptAfter = std::chrono::milliseconds(20);

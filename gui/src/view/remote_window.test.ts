@@ -225,6 +225,20 @@ it('a size and a hiding that come while the window is set up are told once it is
   expect(stage.renders.length).toBe(1);
 });
 
+it('a hidden page shows the view of a graph, and then says that it does not follow', async () => {
+  window.close();
+  window = new RemoteWindow(stage, stage, null, { width: 100, height: 80 }, 16);
+  window.setHidden(true);
+  stage.hasGraph = true;
+  stage.requests = [];
+  window.show({ kind: 'graph', graph: 'g', view: 'v' }, 16, null);
+  await settle();
+  expect(stage.requests.slice(0, 2)).toEqual([
+    'viewer.show 1 {"graph":"g","view":"v"}',
+    'viewer.window 1 {"size":[100,80],"follow":false}',
+  ]);
+});
+
 it('a picture is not whole, and that is told, from the moment on that another is wanted', async () => {
   const told: boolean[] = [];
   window.onStatus = () => told.push(window.status.whole);

@@ -275,18 +275,16 @@ export class RemoteWindow {
         this.changed();
       },
     };
-    const set =
+    const window = this.windowText();
+    // A window that shows a graph's view follows it until it is told otherwise.
+    const texts =
       shown.kind === 'document'
-        ? statement('viewer.set', [this.id], shown.document)
-        : statement('viewer.show', [this.id], { graph: shown.graph, view: shown.view });
-    const asked = [
-      this.connection.request(this.windowText()),
-      this.connection.request(set, options),
-    ] as const;
-    const [, reply] = await Promise.all(asked);
+        ? [window, statement('viewer.set', [this.id], shown.document)]
+        : [statement('viewer.show', [this.id], { graph: shown.graph, view: shown.view }), window];
+    const replies = await Promise.all(texts.map((text) => this.connection.request(text, options)));
     if (signal.aborted) return;
     this.progress = '';
-    for (const warning of textsOf(reply, 'warnings')) this.onWarning(warning);
+    for (const warning of replies.flatMap((reply) => textsOf(reply, 'warnings'))) this.onWarning(warning);
     await this.askForBox();
   }
 

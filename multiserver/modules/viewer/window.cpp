@@ -29,13 +29,16 @@ Window::Settings Window::settings() const {
 
 void Window::setSettings(const Settings& settings) {
   Change change;
+  std::shared_ptr<GraphView> view;
   {
     const std::lock_guard lock(mutex_);
     settings_ = settings;
+    view = view_;
     wantNews();
     change.ended = endRefinement();
-    change.newData = update_.due && follows() && !current_ && !waiting_;
+    change.newData = update_.due && settings_.follow && !current_ && !waiting_;
   }
+  if (view) view->setFollow(settings.follow);
   carryOut(change);
 }
 
@@ -230,6 +233,7 @@ void Window::setGraph(std::shared_ptr<Graph> graph, const std::string& view) {
     const std::lock_guard lock(mutex_);
     if (phase_ == Phase::Closed) throw Error("window " + std::to_string(id_) + ": it is closed");
     view_.swap(shown);
+    settings_.follow = true;
     content_ = {};
     content_.text = "its data are not there yet";
     state_.visualizations[0] = {};
@@ -272,7 +276,7 @@ void Window::onGraph() {
       change.scenes.push_back(std::exchange(waiting_->scene, nullptr));
       change.pins.swap(waiting_->pins);
     } else if (asked_ > 0 && content_.visualization) {
-      update_.due = current_ != nullptr;
+      update_.due = current_ || !settings_.follow;
       if (const FrameId refined = endRefinement()) change.ended = refined;
       change.newData = !update_.due;
     }
@@ -307,7 +311,7 @@ void Window::onWanted(Key key, Generation generation) {
 // that is to be superseded; 0: none. With the lock held.
 FrameId Window::endRefinement() {
   if (!current_ || current_->over || !current_->whole()) return 0;
-  if (update_.due && follows())
+  if (update_.due && settings_.follow)
     current_->over = "superseded";
   else if (!current_->why.empty())
     current_->over = "failed";
@@ -328,7 +332,7 @@ void Window::tryAgain() {
   {
     const std::lock_guard lock(mutex_);
     update_.awaitsRoom = false;
-    if (!update_.due || !follows() || current_ || waiting_) return;
+    if (!update_.due || !settings_.follow || current_ || waiting_) return;
   }
   renderNewData();
 }

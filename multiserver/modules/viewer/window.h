@@ -64,7 +64,7 @@ class Window : public std::enable_shared_from_this<Window> {
   /// These replace one part of the window's state document. `memory` is the ledger's entry for the visualization.
   void setVisualization(const Visualization& visualization, LedgerEntry memory);
   void setRenderer(const RenderSettings& settings);
-  /// From now on the window shows this view and follows its edits and data, until setVisualization().
+  /// From now on the window shows this view and its edits, until setVisualization(). It follows its data, until settings say otherwise.
   void setGraph(std::shared_ptr<Graph> graph, const std::string& view);
   void setCamera(const Camera& camera);
   State state() const;
@@ -139,7 +139,6 @@ class Window : public std::enable_shared_from_this<Window> {
   };
   Change changeBy(const DatasetEvent& event);
   void onGraph();
-  bool follows() const { return settings_.follow || view_; }
   void carryOut(const Change& change);
   bool concerns(const DatasetEvent& event) const;
   bool allThereAfter(const DatasetEvent& event) const;

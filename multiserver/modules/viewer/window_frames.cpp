@@ -421,7 +421,7 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
       if (phase_ == Phase::Rendering || phase_ == Phase::Refining) phase_ = Phase::Idle;
     }
     if (!current_ && !waiting_)  // after a frame that was cancelled too
-      again = update_.due && follows() && phase_ != Phase::Closed;
+      again = update_.due && settings_.follow && phase_ != Phase::Closed;
     unfinished_--;
     ended_.notify_all();
   }
