@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the toolbar's buttons and the keys of the page do.
+import { graphDocument } from '../canvas/graph_store';
 import { withFreeNames } from '../panels/server_files';
 import { readDocument } from '../view/document';
 import type { View } from '../view/view';
@@ -59,10 +60,20 @@ export async function viewFile(server: ServerConnection, path: string): Promise<
 
 /** Saves what a view shows, with the camera of now, as a state file. */
 export function saveState(view: View): void {
-  const { document } = view;
-  if (!document) fail(new Error('this view is one of a graph: save the graph'));
-  else
+  const { document, ofGraph } = view;
+  if (document)
     download(`${stem(view.title)}-view.json`, `${JSON.stringify(document, null, 2)}\n`, 'application/json');
+  else if (ofGraph) void saveGraph(ofGraph.graph);
+}
+
+/** Saves a graph as a state file. The document of its views, and their cameras, are the graph's. */
+export async function saveGraph(name: string): Promise<void> {
+  try {
+    const document = await graphDocument(name);
+    download(`${stem(name)}.json`, `${JSON.stringify(document, null, 2)}\n`, 'application/json');
+  } catch (error) {
+    fail(error);
+  }
 }
 
 const pictures = new WeakMap<View, number>(); // how many were saved

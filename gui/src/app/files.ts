@@ -18,5 +18,5 @@ export function download(name: string, content: BlobPart, type: string): void {
 
 /** The name of a file without its folder and what stands behind the last dot. */
 export function stem(name: string): string {
-  return (name.split(/[/\\]/).pop() ?? name).replace(/\.[^.]*$/, '') || 'galaxy';
+  return (name.split(/[/\\]/).pop() ?? name).replace(/\.[^.]*$/, '').trim() || 'galaxy';
 }

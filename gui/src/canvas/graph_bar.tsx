@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bar above the canvas: which graph is open, documents, undo, run and pause.
 import { useRef, useState } from 'react';
-import { download, stem } from '../app/files';
+import { saveGraph } from '../app/commands';
 import { Foreign, printable } from '../app/foreign';
 import { editing, useViewOnly } from '../app/view_only';
 import { freeName } from '../graph/changes';
@@ -155,13 +155,7 @@ export function GraphBar() {
           <button
             type="button"
             title="Save the graph as a state file"
-            onClick={() =>
-              download(
-                `${stem(session.name)}.json`,
-                `${JSON.stringify(snapshot.document, null, 2)}\n`,
-                'application/json',
-              )
-            }
+            onClick={() => void saveGraph(session.name)}
           >
             Save
           </button>

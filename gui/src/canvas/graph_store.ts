@@ -103,6 +103,14 @@ export async function newGraph(name: string, document: WireObject = {}): Promise
   openGraph(name);
 }
 
+/** The document of a graph: of the one that is open with the edits that are not sent yet. Throws the server's Error. */
+export async function graphDocument(name: string): Promise<Json> {
+  const { connection, session } = getState();
+  if (session?.name === name && session.snapshot.isLoaded) return session.snapshot.document;
+  if (!connection) throw new Error('the server is not connected');
+  return member((await connection.request(statement('graph.get', [name]))) as Json, 'document') ?? {};
+}
+
 export async function dropGraph(name: string): Promise<void> {
   const { connection, session } = getState();
   if (!connection) return;
