@@ -52,15 +52,26 @@ export function onCanvasKey(event: KeyboardEvent, keys: CanvasKeys): void {
 }
 
 function withControl(event: KeyboardEvent, { selection }: CanvasKeys): boolean {
+  if (undoes(event)) return true;
+  if (event.key.toLowerCase() !== 'd') return false;
+  pasted(copied(selection));
+  return true;
+}
+
+function undoes(event: KeyboardEvent): boolean {
   const { session } = useGraphStore.getState();
   const key = event.key.toLowerCase();
-  if (key === 'z') {
-    if (event.shiftKey) session?.redo();
-    else session?.undo();
-  } else if (key === 'y') session?.redo();
-  else if (key === 'd') pasted(copied(selection));
+  if (key === 'z' && !event.shiftKey) session?.undo();
+  else if (key === 'y' || key === 'z') session?.redo();
   else return false;
   return true;
+}
+
+/** Undo and redo of the graph where nothing is typed: a field has its own for what is typed into it. */
+export function onUndoKey(event: KeyboardEvent): void {
+  if (event.altKey || !(event.ctrlKey || event.metaKey)) return;
+  if (event.target instanceof Element && event.target.closest('input:not([type=checkbox]), textarea')) return;
+  if (undoes(event)) event.preventDefault();
 }
 
 function plain(event: KeyboardEvent, keys: CanvasKeys): boolean {

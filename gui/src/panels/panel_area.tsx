@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What lies below the graph: live data, the form of the selected node, its data, and the log.
-import { type KeyboardEvent, type ReactNode, useState } from 'react';
+import { type KeyboardEvent, type ReactNode, useLayoutEffect, useRef, useState } from 'react';
 import { useGraphStore } from '../canvas/graph_store';
+import { onUndoKey } from '../canvas/keys';
 import { MapsTab } from '../maps/editor';
 import { StepsPanel } from '../steps/steps_panel';
 import { DataTab } from './data_tab';
@@ -18,6 +19,11 @@ export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
   const count = useGraphStore((s) => s.selection.length);
   const id = node?.id;
   const [followed, setFollowed] = useState<string>();
+  const panel = useRef<HTMLDivElement>(null);
+  // What another node or tab has begins at its top.
+  useLayoutEffect(() => {
+    if (panel.current) panel.current.scrollTop = 0;
+  }, [tab, id]);
   if (id !== followed) {
     setFollowed(id);
     if (id !== undefined && tab === 'Live data') setTab('Properties');
@@ -52,7 +58,15 @@ export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
           </div>
         ))}
       </div>
-      <div id="panel" role="tabpanel" aria-label={tab} className="panel" tabIndex={0}>
+      <div
+        ref={panel}
+        id="panel"
+        role="tabpanel"
+        aria-label={tab}
+        className="panel"
+        tabIndex={0}
+        onKeyDown={onUndoKey}
+      >
         {tab === 'Live data' && liveData}
         {tab === 'Properties' && (node ? <NodeForm node={node} /> : none)}
         {tab === 'Maps' && (node ? <MapsTab node={node} /> : none)}
