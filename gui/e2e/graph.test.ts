@@ -92,7 +92,7 @@ describe.each([1, 3])('on %i ranks', (ranks) => {
     expect(await page.locator('.react-flow__node').count()).toBe(9);
     expect(await edges(page)).toEqual(FIGURE_EDGES);
     expect(await card(page, 'Datasets/seeds').innerText()).toMatch(
-      /seeds\s+IsosurfaceSampler\s+Particles[^]*done\s+step 1 ·/,
+      /seeds\s+IsosurfaceSampler\s+Particles[^]*done\s+generation 1 ·/,
     );
     await whole(page);
     const { width, height } = await canvasOf(page);

@@ -2,12 +2,14 @@
 // A node of the canvas: its name, its ports, and a footer with its state.
 import { Handle, type Node, type NodeProps, Position } from '@xyflow/react';
 import { memo } from 'react';
+import { plainText } from '../graph/catalogue';
 import type { Problem } from '../graph/session';
 import type { GraphNode, NodeInput } from '../graph/nodes';
 import { type NodeState, factsText } from '../graph/states';
 import { useGraphStore, useSnapshot } from './graph_store';
 import { Foreign } from '../app/foreign';
 import { editing } from '../app/view_only';
+import { useStepOf } from '../steps/use_steps_shown';
 import { kindOf, titleOf } from './titles';
 
 export interface CardData extends Record<string, unknown> {
@@ -44,6 +46,7 @@ function InputRow({ node, input }: { node: GraphNode; input: NodeInput }) {
         className={`port-name nodrag${isNeeded ? ' needed' : ''}`}
         data-port={INPUT + input.name}
         aria-label={inputLabel(node, input)}
+        title={`Takes ${input.takesText}. ${plainText(input.help)}`}
       >
         {input.name === '' ? '+ input' : <Foreign text={input.name} />}
         {missing.length > 0 && (
@@ -84,6 +87,8 @@ function Footer({ node, state, problems }: CardData) {
   const own = problems.find((p) => p.text !== '');
   const error = own?.text ?? (state?.kind === 'failed' ? state.text : '');
   const isQuiet = state?.kind === 'done';
+  const isEmpty = isQuiet && node.gives !== undefined && state.bytes === 0;
+  const step = useStepOf(node.name, node.role === 'live' ? state?.generation : undefined);
   return (
     <>
       {state && (
@@ -95,7 +100,7 @@ function Footer({ node, state, problems }: CardData) {
               <Foreign text={state.by} />
             </span>
           )}
-          <span className="facts">{factsText(state)}</span>
+          <span className="facts">{factsText(state, step)}</span>
         </div>
       )}
       {state?.kind === 'running' && <Progress node={node} state={state} />}
@@ -105,6 +110,7 @@ function Footer({ node, state, problems }: CardData) {
           {state?.rank !== undefined && own === undefined && ` (rank ${state.rank})`}
         </p>
       )}
+      {isEmpty && <p className="node-text">Nothing came out: what it makes is empty.</p>}
       {error === '' && !isQuiet && state && state.text !== '' && (
         <p className="node-text">
           <Foreign text={state.text} />

@@ -29,7 +29,8 @@ describe('states', () => {
       bytes: 1230000,
     });
     expect(read?.[0]).toBe('Datasets/seeds');
-    expect(read && factsText(read[1])).toBe('step 3 · 43 ms · 1.2 MB');
+    expect(read && factsText(read[1])).toBe('generation 3 · 43 ms · 1.2 MB');
+    expect(read && factsText(read[1], 7)).toBe('step 7 · 43 ms · 1.2 MB');
     expect(stateOf({ kind: 'dataset', node: 'a', state: 'unheard of' })).toBeUndefined();
     expect(stateOf({ kind: 'toString', node: 'a', state: 'done' })).toBeUndefined();
   });

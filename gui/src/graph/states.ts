@@ -100,11 +100,12 @@ export function secondsText(seconds: number): string {
   return seconds < 99.5 ? `${Number(seconds.toPrecision(2))} s` : `${Math.round(seconds / 60)} min`;
 }
 
-/** What the footer of a node says beside the name of its state. */
-export function factsText(state: NodeState): string {
+/** What the footer of a node says beside the name of its state. `step`: of its data, if a simulation publishes these. */
+export function factsText(state: NodeState, step?: number): string {
+  const made = step !== undefined ? `step ${step}` : `generation ${state.generation}`;
   const facts = [
     state.kind === 'running' && state.of > 0 ? `${Math.round((100 * state.done) / state.of)} %` : '',
-    state.kind === 'done' && state.generation !== undefined ? `step ${state.generation}` : '',
+    state.kind === 'done' && state.generation !== undefined ? made : '',
     state.seconds !== undefined ? secondsText(state.seconds) : '',
     state.bytes !== undefined ? bytesText(state.bytes) : '',
     state.leftOut > 0 ? `${state.leftOut} left out` : '',

@@ -5,6 +5,12 @@ import type { View } from '../view/view';
 import type { StepShown } from './publishers';
 import { useSteps } from './steps_store';
 
+/** The step of a generation of a dataset; undefined: no simulation publishes it. */
+export function useStepOf(dataset: string, generation: number | undefined): number | undefined {
+  const shown = useSteps((s) => s.shown);
+  return generation === undefined ? undefined : shown({ [dataset]: generation })[0]?.step;
+}
+
 /** The steps that a view shows, one for each publisher. */
 export function useStepsShown(view: View): readonly StepShown[] {
   const status = useSyncExternalStore(
