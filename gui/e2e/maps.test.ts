@@ -71,7 +71,7 @@ function rendered(document: Record<string, unknown>, size: string): Buffer {
 describe('a user', () => {
   it('drags an opacity down and types 0.002: document, form and picture agree, and one undo each takes it back', async () => {
     const page = await opened('light');
-    expect(await page.locator('.map-facts').innerText()).toBe('cloud/ball, step 1: 32,768 values.');
+    expect(await page.locator('.map-facts').innerText()).toBe('cloud/ball, generation 1: 32,768 values.');
     await page.getByLabel('Axis of opacity').selectOption('log');
     const point = page.locator('.map-opacity').nth(1);
     const [box, area] = [await point.boundingBox(), await page.locator('.map-area').boundingBox()];

@@ -4,6 +4,7 @@ import { useState } from 'react';
 import { create } from 'zustand';
 import { Foreign } from '../app/foreign';
 import { useGraphStore } from '../canvas/graph_store';
+import { useStepOf } from '../steps/use_steps_shown';
 import { titleOf } from '../canvas/titles';
 import type { GraphNode } from '../graph/nodes';
 import { domainOf, topFor } from './axis';
@@ -18,6 +19,7 @@ import { ColorTools, PresetRow, useShippedMaps } from './preset_row';
 import { RangeRow } from './range_row';
 import { type FactsOfLook, useMapFacts } from './use_map_facts';
 import { type PointsOfLook, usePoints } from './use_points';
+import { useRangeInView } from './use_range_in_view';
 
 /** How the plot is drawn, for all looks of the page. */
 const useAxes = create<{ readonly isLogOpacity: boolean; readonly isLogCounts: boolean }>(() => ({
@@ -25,17 +27,18 @@ const useAxes = create<{ readonly isLogOpacity: boolean; readonly isLogCounts: b
   isLogCounts: true,
 }));
 
-function factsText({ facts, data, problem }: FactsOfLook): string {
+function factsText({ facts, data, problem }: FactsOfLook, step: number | undefined): string {
   if (!data) return 'This look has no data yet.';
   if (problem !== '') return problem;
   if (!facts) return 'Its data are not there yet.';
   const { histogram, generation } = facts;
+  const when = step !== undefined ? `step ${step}` : `generation ${generation}`;
   if (!histogram && data.array !== '')
     return `${data.array} of ${data.dataset}: only its range is known here.`;
-  if (!histogram) return `${data.dataset}, step ${generation}: there are no values.`;
+  if (!histogram) return `${data.dataset}, ${when}: there are no values.`;
   const component = data.component === undefined ? '' : `, component ${data.component}`;
   const none = histogram.noData > 0 ? `, and ${histogram.noData.toLocaleString('en')} without` : '';
-  return `${data.dataset}${component}, step ${generation}: ${histogram.count.toLocaleString('en')} values${none}.`;
+  return `${data.dataset}${component}, ${when}: ${histogram.count.toLocaleString('en')} values${none}.`;
 }
 
 /** A further point in the middle between the selected one and the next, on the curve. */
@@ -90,7 +93,8 @@ function MapEditor({ node }: { readonly node: GraphNode }) {
   const catalogue = useGraphStore((s) => s.catalogue);
   const shipped = useShippedMaps();
   const facts = useMapFacts(node);
-  const maps = lookMapsOf(node, catalogue, shipped.maps, facts.seen);
+  const inView = useRangeInView(node);
+  const maps = lookMapsOf(node, catalogue, shipped.maps, inView ?? facts.seen);
   return <Editor key={node.id} {...{ node, shipped, facts, maps }} />;
 }
 
@@ -110,6 +114,7 @@ function Editor({ node, shipped, facts, maps }: EditorProps) {
     domain: domainOf(spansOf(maps, facts)),
     scale: { isLog: axes.isLogOpacity, top: maps.isExtinction ? topFor(largest) : 1 },
   };
+  const step = useStepOf(facts.data?.dataset ?? '', facts.facts?.generation);
   const [held, setHeld] = useState<typeof free>(); // While a hand holds a point, the axes stay as they are.
   const { domain, scale } = held ?? free;
   const onHold = (isHeld: boolean): void => setHeld(isHeld ? free : undefined);
@@ -117,7 +122,7 @@ function Editor({ node, shipped, facts, maps }: EditorProps) {
     <section className="map-editor" aria-label={`Maps of ${titleOf(node)}`}>
       <div className="map-row">
         <span className="map-facts weak">
-          <Foreign text={factsText(facts)} />
+          <Foreign text={factsText(facts, step)} />
         </span>
         <Axes maps={maps} />
       </div>

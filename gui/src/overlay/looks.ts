@@ -65,6 +65,13 @@ export function looksOf(document: JsonObject, which: string | number): readonly 
   });
 }
 
+/** Of the look's node in the graph's canvas. */
+export function idOf({ path, entry }: Look): string {
+  const [section, name] = path;
+  if (section === 'Operators') return `Operators/${String(entry['name'])}`;
+  return `Inline/${String(name)}/${String(path[3])}`;
+}
+
 const isVolume = (look: Look): boolean => lookType(look.entry) === 'Volume';
 
 export function planesOf(look: Look): readonly PlaneOfLook[] {

@@ -11,7 +11,7 @@ import { HandEdits, withDraft } from './hand_edits';
 import { legendOf } from './legend';
 import { LegendPanel } from './legend_panel';
 import { type LookEditor, useLookEditor } from './look_editor';
-import { isovaluesOf, type Look, looksOf, planesOf } from './looks';
+import { idOf, isovaluesOf, type Look, looksOf, planesOf } from './looks';
 import { AxesMark, BoxMark, PickMark } from './marks';
 import './overlay.css';
 import { useOverlays } from './overlay_state';
@@ -106,13 +106,6 @@ function OfDocument({
       {shown.legend && <OfLook {...{ looks: held, seen, hands, canEdit, size: projection.size }} />}
     </div>
   );
-}
-
-/** Of a look in the graph's canvas. */
-function idOf({ path, entry }: Look): string {
-  const [section, name] = path;
-  if (section === 'Operators') return `Operators/${String(entry['name'])}`;
-  return `Inline/${String(name)}/${String(path[3])}`;
 }
 
 interface OfLookProps {
