@@ -120,7 +120,7 @@ export function addItems(catalogue: Catalogue, live: readonly LiveDataset[]): re
     (type): AddItem => ({
       group: 'Look',
       label: `${type} look`,
-      help: `how ${type} are shown`,
+      help: `how a view shows ${type}`,
       section: 'Operators',
       entry: { name: `${type.toLowerCase()} look`, dataset: '', ...firstLook(type) },
       takes: [type],

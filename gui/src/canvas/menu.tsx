@@ -26,6 +26,7 @@ export function Menu<Item extends MenuItem>({ name, at, items, onChoose, onClose
   const id = useId();
   const shown = items(typed);
   const current = Math.min(chosen, shown.length - 1);
+  const item = shown[current];
 
   useEffect(() => {
     if (box.current) placeInside(box.current, at);
@@ -37,7 +38,6 @@ export function Menu<Item extends MenuItem>({ name, at, items, onChoose, onClose
   function key(event: KeyboardEvent): void {
     event.stopPropagation();
     const by = event.key === 'ArrowDown' ? 1 : event.key === 'ArrowUp' ? -1 : 0;
-    const item = shown[current];
     if (by !== 0 && shown.length > 0) setChosen((current + by + shown.length) % shown.length);
     else if (event.key === 'Enter' && item) onChoose(item);
     else if (event.key === 'Escape' || event.key === 'Tab') onClose();
@@ -70,27 +70,32 @@ export function Menu<Item extends MenuItem>({ name, at, items, onChoose, onClose
         onKeyDown={key}
       />
       <ul id={id} role="listbox" aria-label={name} tabIndex={-1}>
-        {shown.map((item, i) => (
+        {shown.map((each, i) => (
           <li
-            key={item.key}
+            key={each.key}
             id={`${id}-${i}`}
             role="option"
             aria-selected={i === current}
-            data-group={i === 0 || shown[i - 1]?.group !== item.group ? item.group : undefined}
+            data-group={i === 0 || shown[i - 1]?.group !== each.group ? each.group : undefined}
             onPointerMove={() => setChosen(i)}
             onPointerDown={(event) => {
               event.preventDefault();
-              onChoose(item);
+              onChoose(each);
             }}
           >
-            <Foreign text={item.label} />
+            <Foreign text={each.label} />
             <span className="weak">
               {' '}
-              <Foreign text={item.help} />
+              <Foreign text={each.help} />
             </span>
           </li>
         ))}
       </ul>
+      {item && item.help !== '' && (
+        <p className="menu-help weak">
+          <Foreign text={item.help} />
+        </p>
+      )}
       {shown.length === 0 && <p className="weak">Nothing fits.</p>}
     </div>
   );
