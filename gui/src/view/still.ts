@@ -30,7 +30,7 @@ export async function still(
   pictures.open(window, null, size, {
     onPass: () => undefined,
     onEnded: ({ status, error }) => {
-      end(status === 'complete' ? '' : `the picture was ${status}: ${error}`);
+      end(status === 'complete' ? '' : `the picture could not be made (${status}): ${error}`);
     },
     onBroken: end,
   });

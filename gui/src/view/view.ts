@@ -48,6 +48,7 @@ export interface Picked {
 
 const PASSES = 16;
 const REST = 700; // milliseconds without a motion
+const MOST_TRIES = 3; // to make a picture that is saved
 const SPIN = 30; // degrees a second
 const NOTHING: WindowStatus = {
   ...{ text: '', whole: false, lossless: false, pass: 0, passes: PASSES, generations: {} },
@@ -283,7 +284,15 @@ export class View {
     const isKept = this.held && window.status.pass > 0;
     if (window.status.whole || isKept) return this.pictures.png(window.id);
     const shown: Shown = this.source.kind === 'graph' ? this.source : this.part();
-    return still(this.connection, this.pictures, { shown, camera, size: this.size, passes: this.passes });
+    const wanted = { shown, camera, size: this.size, passes: this.passes };
+    for (let tries = 1; ; tries++) {
+      try {
+        return await still(this.connection, this.pictures, wanted);
+      } catch (error) {
+        // Newer data may have taken the room of these before all passes were made. Then it is made of the newer ones.
+        if (tries === MOST_TRIES || this.connection.state.kind !== 'open') throw error;
+      }
+    }
   }
 
   /** Finds what surface is under the mouse. */
