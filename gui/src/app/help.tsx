@@ -33,6 +33,9 @@ export function Help({ onClose }: { onClose: () => void }) {
   );
   return (
     <dialog ref={dialog} className="help" aria-label="Mouse and keys" onClose={onClose}>
+      <button type="button" className="help-close" autoFocus onClick={() => dialog.current?.close()}>
+        Close
+      </button>
       <h2>Mouse and keys in a view</h2>
       <dl>
         {[...MOUSE, ...keys, ...PAGE].map(([what, does]) => (
@@ -51,9 +54,6 @@ export function Help({ onClose }: { onClose: () => void }) {
           </div>
         ))}
       </dl>
-      <button type="button" autoFocus onClick={() => dialog.current?.close()}>
-        Close
-      </button>
     </dialog>
   );
 }

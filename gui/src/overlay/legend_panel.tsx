@@ -8,7 +8,7 @@ import { hexOf, type Legend, numberTexts, placeOnLegend, roundNumbers } from './
 import type { IsovalueOfLook } from './looks';
 import { roundedTo } from './plane';
 
-const WIDTH = 104;
+const WIDTH = 114; // for nine digits and a point
 const BAR = { x: 20, width: 14 };
 const MARGIN = 8; // above and below the bar, for half a line of text
 const LINE = 16; // pixels that a number needs

@@ -57,14 +57,14 @@ export function BoxMark({ view, box }: { readonly view: Projection; readonly box
       <path className="halo" d={d} />
       <path className="line" d={d} />
       {lowest.map((edge) => (
-        <Extents key={edge.axis} {...{ edge, box, middle }} />
+        <Extents key={edge.axis} {...{ edge, box, middle, width: view.size.width }} />
       ))}
     </g>
   );
 }
 
 /** The numbers at the ends of an edge, and its axis' name, on the side away from the box. */
-function Extents({ edge, box, middle }: { edge: Edge; box: Box; middle: Point }) {
+function Extents({ edge, box, middle, width }: { edge: Edge; box: Box; middle: Point; width: number }) {
   const [from, to] = edge.line;
   const way = { x: to.x - from.x, y: to.y - from.y };
   const length = Math.hypot(way.x, way.y);
@@ -78,7 +78,14 @@ function Extents({ edge, box, middle }: { edge: Edge; box: Box; middle: Point })
   const anchor = out.x > 0.5 ? 'start' : out.x < -0.5 ? 'end' : 'middle';
   return [first, AXES[axis], last].map((text, i) => {
     const along = [0.12, 0.5, 0.88][i] ?? 0;
-    const x = from.x + along * way.x + 0.6 * FONT * out.x;
+    const room = 0.62 * FONT * text.length + 2; // so that no digit is cut off by the picture's edge
+    const wanted = from.x + along * way.x + 0.6 * FONT * out.x;
+    const x =
+      anchor === 'end'
+        ? Math.max(room, wanted)
+        : anchor === 'start'
+          ? Math.min(width - room, wanted)
+          : wanted;
     const y = from.y + along * way.y + 0.6 * FONT * out.y + (0.35 + 0.45 * out.y) * FONT;
     return (
       <text key={i} x={x} y={y} textAnchor={anchor}>
