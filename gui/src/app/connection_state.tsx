@@ -88,8 +88,10 @@ export function LossBar() {
   if (state.kind === 'lost')
     return (
       <div className="loss" role="alert">
-        <strong>Not connected.</strong> <Foreign text={state.reason} />. Next try in{' '}
-        <Countdown until={state.retryAt} />
+        <span>
+          <strong>Not connected.</strong> <Foreign text={state.reason} />. Next try in{' '}
+          <Countdown until={state.retryAt} />
+        </span>
         <button
           type="button"
           onClick={() => {
@@ -110,7 +112,9 @@ export function LossBar() {
     return (
       <div className="loss">
         <span role="alert">
-          <strong>Not connected.</strong> <Problem problem={state.problem} />
+          <strong>Not connected.</strong> The server lets this page in no more, as after it was started again.
+          Open the address that <code>galaxy gui</code> prints, or enter its new token.{' '}
+          <Problem problem={state.problem} />
         </span>
         <TokenForm />
       </div>

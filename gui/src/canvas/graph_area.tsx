@@ -72,7 +72,10 @@ export function GraphArea({ connection }: { readonly connection: Connection }) {
       {session ? (
         <GraphCanvas />
       ) : (
-        <p className="empty">No graph is open: make a new one, or open a state file.</p>
+        <p className="empty">
+          No graph is open. A graph says what is shown and how it is made: make one with New, or open a state
+          file as one with Open.
+        </p>
       )}
     </div>
   );

@@ -14,7 +14,12 @@ interface DataPanelProps {
 export function DataPanel({ onView, onAdd }: DataPanelProps) {
   const isViewOnly = useViewOnly();
   const datasets = useDatasets(useNotices((notices) => notices.fail));
-  if (datasets.length === 0) return <p className="empty">The server has no data yet.</p>;
+  if (datasets.length === 0)
+    return (
+      <p className="empty">
+        The server has no data yet. They come from files, or from a simulation that publishes.
+      </p>
+    );
   return (
     <table className="data-list">
       <thead>

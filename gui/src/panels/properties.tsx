@@ -10,6 +10,7 @@ import type { Edit } from '../graph/edits';
 import { type Json, member, textOf } from '../graph/json';
 import { type GraphNode, lookType } from '../graph/nodes';
 import { VIEW_ONLY } from '../graph/session';
+import type { ValueType } from '../graph/value_type';
 import { Field } from './fields';
 
 // What edges and the name's field say already, and what is not accepted.
@@ -38,6 +39,13 @@ export function propertiesOf(node: GraphNode, catalogue: Catalogue): readonly Pr
         (p) => suits(p) && (node.role === 'file' || ['type', 'color'].includes(p.key)),
       );
   }
+}
+
+/** How several values are typed into one field. */
+function manyText(type: ValueType): string {
+  if (type.kind !== 'list') return '';
+  if (type.of.kind === 'number') return 'Commas stand between several.';
+  return type.of.kind === 'vector' ? `Each has a line of its own: ${type.of.names.join(', ')}.` : '';
 }
 
 function PropertyRow({ node, property }: { node: GraphNode; property: Property }) {
@@ -93,6 +101,7 @@ function PropertyRow({ node, property }: { node: GraphNode; property: Property }
           </span>
         )}
         {plainText(property.help)} {range !== '' && <span className="range">{plainText(range)}.</span>}
+        {manyText(property.type)}
         {needs !== '' && ` It has no effect without ${needs}.`}
       </p>
     </div>
