@@ -18,6 +18,11 @@ export const NO_FRAME: Frame = {
   ...{ status: '', error: '', seconds: 0 },
 };
 
+/** A view of a graph has nothing to show, and so no camera that is fitted to it. */
+export class NothingThereYet extends Error {
+  override readonly message = 'nothing of what it shows is there yet ...';
+}
+
 export interface WindowStatus {
   /** For people; an error begins with "error: ". */
   text: string;
@@ -46,7 +51,9 @@ export function statusText(frame: Frame, { isReady, isHeld, passes, progress, er
   const why = error || (frame.ended && frame.status === 'failed' ? frame.error : '');
   if (progress) return progress;
   const shown = `${frame.pass + 1} of ${passes} passes`;
-  if (isHeld && frame.shown && frame.scale === 1 && frame.status === 'failed') return `lossless, ${shown}`; // Newer data have taken the place of these.
+  // Newer data have taken the place of these. They are shown next, if the picture is not held.
+  const isOver = isHeld || /needs the room of generation/.test(frame.error);
+  if (isOver && frame.shown && frame.scale === 1 && frame.status === 'failed') return `lossless, ${shown}`;
   if (why) return `error: ${why}`;
   if (!isReady) return 'loading data ...';
   if (frame.number === 0) return 'waiting for the first picture ...';

@@ -31,6 +31,7 @@ class Stage implements Connection, Pictures {
   renders: JsonObject[] = [];
   requests: string[] = [];
   hasGraph = true;
+  box: [number[], number[]] | null = null;
   refusal: string | null = null;
   private readonly listeners: ((state: ConnectionState) => void)[] = [];
 
@@ -39,7 +40,7 @@ class Stage implements Connection, Pictures {
     if (text.startsWith('viewer.camera'))
       return Promise.resolve({
         Camera: { ...CAMERA, viewpoint: [0, 0, 4] } as unknown as JsonObject,
-        box: null,
+        box: this.box,
       });
     if (text.startsWith('viewer.show') && !this.hasGraph) return Promise.reject(new Error('no such graph'));
     if (!text.startsWith('viewer.render')) return Promise.resolve({});
@@ -255,7 +256,25 @@ it('a picture is not whole, and that is told, from the moment on that another is
   expect(told.at(-1)).toBe(false);
 });
 
+it('a view of a graph has a camera once it has data that the camera is fitted to', async () => {
+  stage.renders = [];
+  window.show({ kind: 'graph', graph: 'g', view: 'v' }, 16, null);
+  await vi.advanceTimersByTimeAsync(2500);
+  expect(stage.renders.length).toBe(0);
+  expect(window.status.text).toBe('nothing of what it shows is there yet ...');
+  stage.box = [
+    [0, 0, 0],
+    [1, 1, 1],
+  ];
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(stage.renders.length).toBeGreaterThan(0);
+});
+
 it('a view of a graph that is dropped and made again comes back by itself', async () => {
+  stage.box = [
+    [0, 0, 0],
+    [1, 1, 1],
+  ];
   window.show({ kind: 'graph', graph: 'g', view: 'v' }, 16, null);
   await settle();
   stage.hasGraph = false;

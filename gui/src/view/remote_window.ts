@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A window on the server: sets what it shows, and decides when frames are asked for. The counterpart of
 // tools/gxyviewer/remote_window.h.
+import { refusedDelay } from '../app/retry';
 import type { Connection } from '../wire/connection';
 import { type Json, type JsonObject, textsOf } from '../wire/json';
 import { statement } from '../wire/statement';
@@ -8,7 +9,7 @@ import type { FrameEnded, PassShown } from '../worker/messages';
 import { type Box, boxFrom, type Camera, cameraFrom, cameraJson, rangesFrom, type Size } from './camera';
 import { FrameCameras } from './frame_cameras';
 import { FramesAsked } from './frames_asked';
-import { type Frame, NO_FRAME, statusText, type WindowStatus } from './frame_status';
+import { type Frame, NO_FRAME, NothingThereYet, statusText, type WindowStatus } from './frame_status';
 import { type Detail, Pace } from './pace';
 import type { Pictures } from './pictures';
 
@@ -30,9 +31,6 @@ export interface Seen {
 
 const REST = 250; // After so many milliseconds without a new camera, the camera rests.
 const UNDER_WAY = 2;
-const AGAIN = 1000;
-const AGAIN_AT_MOST = 16_000;
-const waitAfter = (failures: number) => Math.min(AGAIN * 2 ** failures, AGAIN_AT_MOST);
 const MOVING_TILE = 512; // Browsers decode few large JPEGs faster than many small ones.
 
 /**
@@ -257,12 +255,13 @@ export class RemoteWindow {
       },
       (error: unknown) => {
         if (setting.signal.aborted) return;
-        this.setError = error instanceof Error ? error.message : String(error);
-        this.progress = '';
+        const text = error instanceof Error ? error.message : String(error);
+        const isWaiting = error instanceof NothingThereYet;
+        [this.setError, this.progress] = isWaiting ? ['', text] : [text, ''];
         this.changed();
         // A document stays wrong. A graph or its view may be made again.
         if (shown.kind === 'graph')
-          this.setUpTimer = setTimeout(this.setUp.bind(this), waitAfter(this.failures++));
+          this.setUpTimer = setTimeout(this.setUp.bind(this), refusedDelay(this.failures++));
       },
     );
   }
@@ -290,13 +289,14 @@ export class RemoteWindow {
 
   // Asks which camera the server has, unless the page has one already, and for the box of the data.
   private async askForBox(): Promise<void> {
-    const words: Json[] = this.camera ? [cameraJson(this.camera)] : [];
-    const given = words[0] ? { Camera: words[0] } : undefined;
+    const given = this.camera ? { Camera: cameraJson(this.camera) as Json } : undefined;
     const reply = await this.connection.request(statement('viewer.camera', [this.id], given));
     this.dataBox = boxFrom(reply['box']);
     this.ranges = rangesFrom(reply['ranges']);
     this.see(this.seenNow?.camera ?? null);
     if (this.camera) return;
+    // Without data of the graph, the server fits the camera to nothing.
+    if (!this.dataBox && this.shown?.kind === 'graph') throw new NothingThereYet();
     this.camera = cameraFrom(reply['Camera']);
     this.onCamera(this.camera);
   }
@@ -411,7 +411,7 @@ export class RemoteWindow {
           asked.refuse();
           if (asked !== this.asked) return;
           this.renderError = error instanceof Error ? error.message : String(error);
-          this.againAt = performance.now() + waitAfter(this.refusals++);
+          this.againAt = performance.now() + refusedDelay(this.refusals++);
           this.changed();
           this.step();
         },
