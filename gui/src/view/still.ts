@@ -44,8 +44,8 @@ export async function still(
     await Promise.all([
       connection.request(statement('viewer.window', [window], { size: [width, height] })),
       connection.request(set),
-      connection.request(statement('viewer.render', [window], render)),
     ]);
+    await connection.request(statement('viewer.render', [window], render)); // What it shows has to be there before.
     const error = await ended;
     if (error) throw new Error(error);
     return await pictures.png(window);
