@@ -46,13 +46,16 @@ interface OfWindow {
   error: string;
 }
 
+/** Whether a frame has failed since newer data have taken the place of its own. */
+export const isPushedOut = (error: string): boolean => error.includes('needs the room of generation');
+
 /** For people; an error begins with "error: ". */
 export function statusText(frame: Frame, { isReady, isHeld, passes, progress, error }: OfWindow): string {
   const why = error || (frame.ended && frame.status === 'failed' ? frame.error : '');
   if (progress) return progress;
   const shown = `${frame.pass + 1} of ${passes} passes`;
   // Newer data have taken the place of these. They are shown next, if the picture is not held.
-  const isOver = isHeld || /needs the room of generation/.test(frame.error);
+  const isOver = isHeld || isPushedOut(frame.error);
   if (isOver && frame.shown && frame.scale === 1 && frame.status === 'failed') return `lossless, ${shown}`;
   if (why) return `error: ${why}`;
   if (!isReady) return 'loading data ...';

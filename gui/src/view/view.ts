@@ -7,7 +7,7 @@ import { statement } from '../wire/statement';
 import { type Camera, cameraJson, type Size, vectorIn } from './camera';
 import { camerasOf, datasetsOf, raysPerPixelOf, shownPart, visualizationsOf, withCamera } from './document';
 import type { Pictures } from './pictures';
-import type { WindowStatus } from './frame_status';
+import { isPushedOut, type WindowStatus } from './frame_status';
 import { RemoteWindow, type Seen, type Shown } from './remote_window';
 import { still } from './still';
 import {
@@ -290,7 +290,12 @@ export class View {
         return await still(this.connection, this.pictures, wanted);
       } catch (error) {
         // Newer data may have taken the room of these before all passes were made. Then it is made of the newer ones.
-        if (tries === MOST_TRIES || this.connection.state.kind !== 'open') throw error;
+        const isOver = error instanceof Error && isPushedOut(error.message);
+        if (!isOver) throw error;
+        if (tries === MOST_TRIES)
+          throw new Error(
+            'newer data came before the picture was made. Hold the picture (key k), and save it then.',
+          );
       }
     }
   }
