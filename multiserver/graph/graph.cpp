@@ -43,7 +43,8 @@ std::vector<std::string> Graph::setDocument(const json& document, const StateRea
   return warnings;
 }
 
-json Graph::edit(const json& edits, bool live, const Client& by, const StateReader& readState) {
+json Graph::edit(const json& edits, bool live, const std::optional<EditMark>& mark, const Client& by,
+                 const StateReader& readState) {
   const std::lock_guard editing(editing_);
   json now;
   {
@@ -51,6 +52,8 @@ json Graph::edit(const json& edits, bool live, const Client& by, const StateRead
     checkNotEnded();
     now = document_.json;
   }
+  if (const auto before = mark ? marked_.revisionOf(*mark) : std::nullopt)
+    return {{"revision", *before}, {"repeated", true}, {"warnings", json::array()}};
   EditedDocument made = edited(now, edits);
   GraphDocument read =
       readGraphDocument(name_, std::move(made.document), services_.serverRank.filters, withRoom(readState));
@@ -61,6 +64,7 @@ json Graph::edit(const json& edits, bool live, const Client& by, const StateRead
   commit(std::move(read), std::move(memory), live,
          {{"event", "graph"}, {"graph", name_}, {"by", by.json()}, {"edits", edits}, {"live", live}},
          made.renamedViews);
+  if (mark) marked_.add(*mark, revision_);
   return {{"revision", revision_}, {"inverse", std::move(made.inverse)}, {"warnings", std::move(warnings)}};
 }
 

@@ -19,6 +19,7 @@
 #include "core/flow/flow.h"
 #include "multiserver/graph/graph_document.h"
 #include "multiserver/graph/graph_services.h"
+#include "multiserver/graph/marked_edits.h"
 #include "multiserver/rendering/scene_cache.h"
 #include "multiserver/server/filter_runs.h"
 #include "multiserver/server/outbox.h"
@@ -58,8 +59,10 @@ class Graph : public std::enable_shared_from_this<Graph> {
   };
   /// Replaces the document. Returns warnings.
   std::vector<std::string> setDocument(const nlohmann::json& document, const StateReader& readState);
-  /// Applies edits (document_edits.h), all or none. Returns `revision`, `inverse` and `warnings`.
-  nlohmann::json edit(const nlohmann::json& edits, bool live, const Client& by, const StateReader& readState);
+  /// Applies edits (document_edits.h), all or none. Returns `revision`, `inverse` and `warnings`; of edits that were applied before, by
+  /// `mark`, their `revision` and `repeated`.
+  nlohmann::json edit(const nlohmann::json& edits, bool live, const std::optional<EditMark>& mark, const Client& by,
+                      const StateReader& readState);
   /// Returns `document`, `revision`, `paused` and `nodes`.
   nlohmann::json describe() const;
   /// Returns what a node's filter has told of its generations from this one on: at most the newest 10,000 of the filter and its
@@ -253,6 +256,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   const std::string tenant_, name_;
 
   std::mutex editing_;  ///< held while a document is read and committed; before mutex_
+  MarkedEdits marked_;  ///< changed while editing_ is held
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   flow::Flow flow_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Module graph: documents, their evaluation on the ranks, and what clients are told.
+#include "multiserver/graph/marked_edits.h"
 #include "tests/multiserver/graph_client.h"
 #include "tests/support/seeds.h"
 
@@ -176,6 +177,51 @@ TEST(Graph, AnEditAndItsInverseGiveTheDocumentBack) {
     EXPECT_EQ(c.say("graph.get g").at("document"), start) << edits;
   }
   EXPECT_NE(before, start);
+}
+
+TEST(Graph, AnEditThatIsSentTwiceCountsOnce) {
+  const auto server = serveGraphs(1);
+  GraphClient ann(*server), bob(*server);
+  ann.say(newGraph({}));
+  const auto send = [](GraphClient& client, const std::string& who, int number, const char* to) {
+    return client.say("graph.edit g " + json{{"edits", {{{"add", json::array({"notes"})}, {"to", to}}}},
+                                             {"once", {who, number}}}
+                                            .dump());
+  };
+  EXPECT_EQ(send(ann, "ann", 0, "a0").at("revision"), 2);
+  EXPECT_EQ(send(bob, "bob", 0, "b0").at("revision"), 3);
+  // The reply was lost: the client comes with another session, and sends it again.
+  const json again = send(bob, "ann", 0, "a0");
+  EXPECT_EQ(again.at("revision"), 2);
+  EXPECT_EQ(again.at("repeated"), true);
+  EXPECT_FALSE(again.contains("inverse"));
+  EXPECT_EQ(send(ann, "ann", 7, "a7").at("revision"), 4);
+  EXPECT_EQ(send(ann, "ann", 3, "a3").at("repeated"), true);
+  EXPECT_EQ(ann.say("graph.get g").at("document").at("notes"), json({"a0", "b0", "a7"}));
+  // One that was refused has not been made.
+  const auto wrong = [](const json& once) {
+    return "graph.edit g " + json{{"edits", {{{"remove", json::array({"nothing"})}}}}, {"once", once}}.dump();
+  };
+  EXPECT_NE(ann.error(wrong({"ann", 8})).find("there is none"), std::string::npos);
+  EXPECT_EQ(send(ann, "ann", 8, "a8").at("revision"), 5);
+  const std::string expected = "`once`: expected [text of 1 to 100 bytes, integer >= 0], found";
+  for (const json& once : {json(1), json::array(), json({"ann"}), json({"ann", -1}), json({"", 1}),
+                           json({std::string(101, 'a'), 1}), json({"ann", 1, 2}), json({1, 1})})
+    EXPECT_NE(ann.error(wrong(once)).find(expected), std::string::npos) << once;
+}
+
+TEST(Graph, TheClientsThatHaveEditedLastAreRemembered) {
+  MarkedEdits edits;
+  EXPECT_EQ(edits.revisionOf({"first", 1}), std::nullopt);
+  edits.add({"first", 1}, 1);
+  for (uint64_t i = 1; i < MarkedEdits::kMost; i++) edits.add({std::to_string(i), 5}, 1 + i);
+  EXPECT_EQ(edits.revisionOf({"first", 1}), 1);
+  edits.add({"first", 2}, 5000);
+  edits.add({"another", 1}, 5001);
+  EXPECT_EQ(edits.revisionOf({"first", 2}), 5000);
+  EXPECT_EQ(edits.revisionOf({"1", 5}), std::nullopt);
+  EXPECT_EQ(edits.revisionOf({"2", 5}), 3);
+  EXPECT_EQ(edits.revisionOf({"2", 6}), std::nullopt);
 }
 
 TEST(Graph, ARenameTakesItsReferencesAlong) {

@@ -96,18 +96,31 @@ json numbers(Graphs& graphs, Request& request, Arguments arguments) {
   return {{"numbers", numbers}, {"text", text}};
 }
 
+/// `once` of an edit: who has made it, and its number among theirs.
+std::optional<EditMark> markIn(const json& what) {
+  const auto once = what.find("once");
+  if (once == what.end()) return {};
+  const bool isPair = once->is_array() && once->size() == 2 && once->at(0).is_string() &&
+                      once->at(1).is_number_unsigned();
+  const std::string who = isPair ? once->at(0).get<std::string>() : "";
+  if (who.empty() || who.size() > EditMark::kLongest)
+    throw Error("edit: `once`: expected [text of 1 to " + std::to_string(EditMark::kLongest) +
+                " bytes, integer >= 0], found " + inQuotes(once->dump()));
+  return EditMark{who, once->at(1).get<uint64_t>()};
+}
+
 json edit(Graphs& graphs, Request& request, Arguments arguments) {
   const std::string name = arguments.expectWord();
   const auto graph = changed(graphs, request, name);
   DocumentReader reader(request);
   const json what = reader.object(arguments.expectJson(), "edit");
   for (const auto& [key, value] : what.items())
-    if (key != "edits" && key != "live")
-      throw Error("edit: unknown key " + inQuotes(key, '`') + ", expected `edits` and `live`");
+    if (key != "edits" && key != "live" && key != "once")
+      throw Error("edit: unknown key " + inQuotes(key, '`') + ", expected `edits`, `live` and `once`");
   const json live = what.value("live", json(false));
   if (!live.is_boolean()) throw Error("edit: `live`: expected true or false, found " + inQuotes(live.dump()));
-  json result = graph->edit(what.value("edits", json()), live.get<bool>(), clientOf(request.session()),
-                            readerOf(request));
+  json result = graph->edit(what.value("edits", json()), live.get<bool>(), markIn(what),
+                            clientOf(request.session()), readerOf(request));
   result["text"] = "revision " + result["revision"].dump() +
                    warningsText(result["warnings"].get<std::vector<std::string>>());
   return result;
