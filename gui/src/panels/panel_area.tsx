@@ -4,13 +4,14 @@ import { type KeyboardEvent, type ReactNode, useLayoutEffect, useRef, useState }
 import { useGraphStore } from '../canvas/graph_store';
 import { onUndoKey } from '../canvas/keys';
 import { MapsTab } from '../maps/editor';
+import { StatisticsTab } from '../statistics/statistics_tab';
 import { StepsPanel } from '../steps/steps_panel';
 import { DataTab } from './data_tab';
 import { LogPanel } from './log_panel';
 import './panels.css';
 import { NodeForm, useSelectedNode } from './properties';
 
-const TABS = ['Live data', 'Properties', 'Maps', 'Data', 'Log', 'Steps'] as const;
+const TABS = ['Live data', 'Properties', 'Maps', 'Data', 'Log', 'Steps', 'Statistics'] as const;
 type Tab = (typeof TABS)[number];
 
 export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
@@ -73,6 +74,7 @@ export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
         {tab === 'Data' && (node ? <DataTab node={node} /> : none)}
         {tab === 'Log' && <LogPanel />}
         {tab === 'Steps' && <StepsPanel />}
+        {tab === 'Statistics' && <StatisticsTab />}
       </div>
     </div>
   );
