@@ -21,7 +21,7 @@ interface PlotProps {
   readonly onPoint: (time: number | undefined) => void;
 }
 
-const HEIGHT = 130;
+const HEIGHT = 120;
 
 const SHORTEST = 60; // seconds that the axis shows at least
 
