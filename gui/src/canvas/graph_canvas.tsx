@@ -6,6 +6,7 @@ import {
   ConnectionLineType,
   Controls,
   type Edge,
+  type EdgeChange,
   type FinalConnectionState,
   type NodeChange,
   ReactFlow,
@@ -50,6 +51,7 @@ import { Menu, type MenuItem } from './menu';
 import { type CardData, type CardNode, INPUT, NodeCard, OUTPUT } from './node_card';
 import { portItems } from './ports_menu';
 import { kindOf, titleOf } from './titles';
+import { useStable } from './use_stable';
 
 const TYPES = { card: NodeCard };
 
@@ -116,6 +118,7 @@ function edgesOf(graph: NodeGraph, before: readonly Edge[]): Edge[] {
   }));
 }
 
+const MULTI_SELECTION = ['Control', 'Meta', 'Shift'];
 const SECTIONS = ['Datasets', 'Operators', 'Visualizations', 'Outputs'] as const;
 
 function Canvas() {
@@ -263,6 +266,40 @@ function Canvas() {
     return graph.edges.filter((e) => chosen.has(e.id));
   };
 
+  const onNodesChange = useStable((changes: NodeChange<CardNode>[]) => {
+    const chosen = withSelection(useGraphStore.getState().selection, changes);
+    if (chosen) select(chosen);
+    const others = changes.filter((c) => c.type !== 'select');
+    if (others.length > 0) setCards((before) => applyNodeChanges(others, before));
+    // The keys of a node that is focused move it, too; a drag ends in endDrag().
+    const byKey = changes.flatMap((c): [string, Position][] =>
+      c.type === 'position' &&
+      c.dragging === false &&
+      c.position &&
+      !cards.some((n) => n.id === c.id && n.dragging)
+        ? [[c.id, [c.position.x, c.position.y]]]
+        : [],
+    );
+    if (byKey.length > 0) move(new Map(byKey), 'move by keys');
+  });
+  const onEdgesChange = useStable((changes: EdgeChange[]) =>
+    setEdges((before) => applyEdgeChanges(changes, before)),
+  );
+  const onNodeDragStop = useStable(endDrag);
+  const onNodeDoubleClick = useStable((_: unknown, card: CardNode) => {
+    if (card.data.node.role === 'view') openView(card.data.node.name);
+  });
+  const onConnect = useStable((connection: FlowConnection) => join(connection));
+  const onConnectStart = useStable(() => say(''));
+  const onConnectEnd = useStable(endConnection);
+  const onReconnect = useStable((edge: Edge, connection: FlowConnection) =>
+    join(
+      connection,
+      graph.edges.find((e) => e.id === edge.id),
+    ),
+  );
+  const isValidConnection = useStable(isValid);
+
   const shownMenu = opened?.place ? (
     <Menu
       name="Add: type a name, or a file's path"
@@ -360,43 +397,21 @@ function Canvas() {
         nodes={cards}
         edges={edges}
         nodeTypes={TYPES}
-        onNodesChange={(changes) => {
-          const chosen = withSelection(useGraphStore.getState().selection, changes);
-          if (chosen) select(chosen);
-          const others = changes.filter((c) => c.type !== 'select');
-          if (others.length > 0) setCards((before) => applyNodeChanges(others, before));
-          // The keys of a node that is focused move it, too; a drag ends in endDrag().
-          const byKey = changes.flatMap((c): [string, Position][] =>
-            c.type === 'position' &&
-            c.dragging === false &&
-            c.position &&
-            !cards.some((n) => n.id === c.id && n.dragging)
-              ? [[c.id, [c.position.x, c.position.y]]]
-              : [],
-          );
-          if (byKey.length > 0) move(new Map(byKey), 'move by keys');
-        }}
-        onEdgesChange={(changes) => setEdges((before) => applyEdgeChanges(changes, before))}
-        onNodeDragStop={endDrag}
-        onNodeDoubleClick={(_, card) => {
-          if (card.data.node.role === 'view') openView(card.data.node.name);
-        }}
-        onConnect={(connection) => join(connection)}
-        onConnectStart={() => say('')}
-        onConnectEnd={endConnection}
-        onReconnect={(edge, connection) =>
-          join(
-            connection,
-            graph.edges.find((e) => e.id === edge.id),
-          )
-        }
-        isValidConnection={isValid}
+        onNodesChange={onNodesChange}
+        onEdgesChange={onEdgesChange}
+        onNodeDragStop={onNodeDragStop}
+        onNodeDoubleClick={onNodeDoubleClick}
+        onConnect={onConnect}
+        onConnectStart={onConnectStart}
+        onConnectEnd={onConnectEnd}
+        onReconnect={onReconnect}
+        isValidConnection={isValidConnection}
         connectionLineType={ConnectionLineType.Bezier}
         deleteKeyCode={null}
         nodesDraggable={snapshot?.isViewOnly !== true}
         nodesConnectable={snapshot?.isViewOnly !== true}
         zoomOnDoubleClick={false}
-        multiSelectionKeyCode={['Control', 'Meta', 'Shift']}
+        multiSelectionKeyCode={MULTI_SELECTION}
         minZoom={0.1}
         onlyRenderVisibleElements={cards.length > 200}
         colorMode="system"
