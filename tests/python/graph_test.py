@@ -85,6 +85,29 @@ class Graphs(OnRanks):
         for picture in pictures:
             self.assertGreater(np.ptp(picture[..., :3]), 30)
 
+    def test_keys_of_looks_that_are_none_are_not_said(self):
+        graph = self.session.graph("g")
+        data = self.balls()
+        points = graph.seeds(data, count=20, shape="box")
+        looks = [graph.volume(data, volume_rendering=None, data_range=None), graph.particles(points, radius=None, data_range=None),
+                 graph.volume(data, isovalues=[0.4], data_range=None, colormap="Viridis")]
+        said = [{key: value for key, value in look.entry.items() if key not in ("name", "type", "dataset")} for look in looks]
+        self.assertEqual(said, [{}, {}, {"isovalues": [0.4], "colormap": "Viridis"}])
+
+    def test_files_are_read_for_the_graph_alone(self):
+        graph = self.session.graph("g")
+        ball = graph.file("balls.vti", "Volume", array="oneBall")
+        self.assertEqual((ball.name, ball.section), ("balls", "Datasets"))
+        self.assertEqual(ball.entry, {"name": "balls", "type": "Volume", "filename": "balls.vti", "array": "oneBall"})
+        look = graph.volume(ball, isovalues=[0.5], colormap="Viridis", data_range=[0, 1.7])
+        picture = graph.view(look, camera=CAMERA, size=(90, 70)).render()
+        self.assertEqual(self.session.data, [])
+        data = self.session.open("balls.vti", array="oneBall")
+        other = graph.volume(data, isovalues=[0.5], colormap="Viridis", data_range=[0, 1.7])
+        np.testing.assert_array_equal(graph.view(other, camera=CAMERA, size=(90, 70)).render().array, picture.array)
+        with self.assertRaisesRegex(gxy.GalaxyError, "a dataset of a file has no 'arrays', expected one of: array, "):
+            graph.file("balls.vti", "Volume", arrays="oneBall")
+
     def test_a_camera_that_is_set_is_everybodys(self):
         graph, _, view = self.figure_1()
         before = view.render().array

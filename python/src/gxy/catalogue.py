@@ -138,6 +138,11 @@ class Catalogue:
     def of_type(self, type: str) -> Optional[Filter]:
         return self.filters.get(snake(type))
 
+    def dataset(self) -> Keys:
+        """The keys that a dataset of a file has, beside its name, type and file."""
+        keys = (key for key in self._sections.get("dataset", []) if key["key"] not in ("name", "type", "filename"))
+        return Keys("a dataset of a file", keys)
+
     def look(self, type: str) -> Keys:
         """The keys that an operator of this type has."""
         keys = (key for key in self._sections.get("operator", []) if type in key.get("types", [type]))

@@ -6,6 +6,7 @@ import contextlib
 import os
 import threading
 import typing
+from pathlib import PurePath
 from typing import Any, Callable, Iterator, Optional, Union
 
 from .catalogue import Filter, snake
@@ -135,10 +136,23 @@ class Graph:
             return Node(self, "Datasets", name)  # it is there already
         return self._add("Datasets", name, name, {"type": type}, ())
 
+    def file(self, file: Union[str, os.PathLike[str]], type: str, *, name: Optional[str] = None, **keys: Any) -> Node:
+        """A dataset that the server reads from a file, for this graph alone, when something needs it.
+
+        file: as the server has it, absolute or relative to one of its --data folders.
+        type: Volume, Particles, PathLines or Triangles.
+        name: of the node; by default the file's name. A node of this name is replaced.
+        keys: more keys of a dataset (docs/state-file.md), such as array="density".
+        """
+        known, path = self.session.catalogue.dataset(), os.fspath(file)
+        entry = {"type": type, "filename": path, **{known.key(key): value for key, value in keys.items()}}
+        return self._add("Datasets", name, PurePath(path).stem, entry, ())
+
     def volume(self, data: _Source, *, name: Optional[str] = None, **keys: Any) -> Node:
         """A look at a volume. The keys are those of an operator of docs/state-file.md with "_" for " ", such as isovalues=[0.5],
         slices=[(0, 0, 1, 0.2)], colormap="Viridis". Without isovalues and slices the volume itself is rendered. Without maps of
-        values of one's own, colours, and the opacity of what is rendered, go with the range of the data."""
+        values of one's own, colours, and the opacity of what is rendered, go with the range of the data. A key that is None is not
+        said at all, as data_range=None: then what docs/state-file.md tells of it holds."""
         return self._look("Volume", data, name, keys)
 
     def particles(self, data: _Source, *, name: Optional[str] = None, **keys: Any) -> Node:
@@ -165,6 +179,7 @@ class Graph:
             entry["data range"] = "data"
             if entry.get("volume rendering"):
                 entry["opacitymap"] = [[0, 0], [1, 0.1]]  # of that range
+        entry = {key: value for key, value in entry.items() if value is not None}
         return self._add("Operators", name, snake(type), entry, [data])
 
     def view(self, *looks: Union[str, Node], name: Optional[str] = None, camera: Optional[dict[str, Any]] = None,
