@@ -8,6 +8,7 @@ import { freeName } from '../graph/changes';
 import { withNamedViews } from '../graph/fragment';
 import type { JsonObject } from '../graph/json';
 import { messageOf } from '../graph/session';
+import { savePython } from '../out/as_python';
 import { parseObject, type JsonObject as WireObject } from '../wire/json';
 import {
   closeGraph,
@@ -158,6 +159,9 @@ export function GraphBar() {
             onClick={() => void saveGraph(session.name)}
           >
             Save
+          </button>
+          <button type="button" title="Save the graph as a Python program (P)" onClick={savePython}>
+            As Python
           </button>
           {isDropping ? (
             <button

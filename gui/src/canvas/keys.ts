@@ -3,6 +3,7 @@
 import type { KeyboardEvent } from 'react';
 import type { GraphEdge } from '../graph/nodes';
 import { VIEW_ONLY } from '../graph/session';
+import { savePython } from '../out/as_python';
 import { type AddPlace, bypassNode, copied, openView, pasted, removeSelected } from './actions';
 import { useGraphStore } from './graph_store';
 import { INPUT, OUTPUT } from './node_card';
@@ -29,6 +30,7 @@ export const CANVAS_KEYS: readonly (readonly [keys: string, meaning: string])[] 
   ['Ctrl+Z, Ctrl+Y', 'undo, redo your own edits'],
   ['B', 'bypass the node'],
   ['L, F', 'lay out, fit into the canvas'],
+  ['P', 'save as a Python program'],
 ];
 
 /** The node and the port whose element has the focus. */
@@ -123,6 +125,9 @@ function plain(event: KeyboardEvent, keys: CanvasKeys): boolean {
       return true;
     case 'f':
       keys.fit();
+      return true;
+    case 'p':
+      savePython();
       return true;
     default:
       return false;

@@ -46,7 +46,8 @@ export interface Picked {
   readonly point: Vec3 | null;
 }
 
-const PASSES = 16;
+/** Of a picture at rest, with a ray per pixel each. */
+export const PASSES = 16;
 const REST = 700; // milliseconds without a motion
 const MOST_TRIES = 3; // to make a picture that is saved
 const SPIN = 30; // degrees a second
