@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What leaves the page: graphs as Python programs.
+// What leaves the page: graphs as Python programs, and pictures of any size with and without marks.
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
-import type { Page } from 'playwright-core';
+import type { Locator, Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
-import { Browser, canvasOf, saved, savedPicture, whole } from './browser';
+import { Browser, canvasOf, openFile, saved, savedPicture, seriousFindings, whole } from './browser';
 import { card, figure1, openGraphFile, publishFigure1, renderedFigure, savedGraph, state } from './canvas';
-import { decodePng } from './png';
+import { decodePng, type Pixels } from './png';
 import { Server } from './server';
 
 const RAYS = 16; // of the page's pictures
@@ -25,8 +25,13 @@ afterAll(async () => {
   await browser.stop();
 });
 
-async function opened(width: number, height: number): Promise<Page> {
-  const page = await browser.page(width, height);
+async function opened(
+  width: number,
+  height: number,
+  scale = 1,
+  scheme: 'light' | 'dark' = 'light',
+): Promise<Page> {
+  const page = await browser.page(width, height, scale, scheme);
   await page.goto(server.ticketUrl());
   await page.getByText('Connected', { exact: true }).waitFor();
   return page;
@@ -35,6 +40,16 @@ async function opened(width: number, height: number): Promise<Page> {
 async function finish(page: Page): Promise<void> {
   browser.check();
   await page.context().close();
+  const { graphs } = server.say('load graph; graph.list') as { graphs: { graph: string }[] };
+  for (const { graph } of graphs) server.say(`load graph; graph.drop ${JSON.stringify(graph)}`);
+}
+
+const form = (page: Page): Locator => page.getByRole('dialog');
+
+/** Fills fields of the form that is open. */
+async function fill(page: Page, fields: Record<string, number | string>): Promise<void> {
+  for (const [label, value] of Object.entries(fields))
+    await form(page).getByLabel(label, { exact: true }).fill(String(value));
 }
 
 /** Runs a program in the server's folder by the first Python that has NumPy. */
@@ -127,6 +142,79 @@ describe('a graph as a Python program', () => {
       Operators: [...document.Operators, { name: 'particles', type: 'Particles', dataset: 'class' }],
       Visualizations: [{ ...document.Visualizations[0], operators: [shown, 'particles'] }],
     });
+    await finish(page);
+  });
+});
+
+async function savedAs(page: Page): Promise<Pixels> {
+  return decodePng((await saved(page, 'Save as PNG')).content);
+}
+
+/** The part of a picture at a place, as large as another one. */
+function partOf({ width, rgba }: Pixels, { x, y }: { x: number; y: number }, size: Pixels): Pixels {
+  const rows = Array.from({ length: size.height }, (_, row) => {
+    const begin = ((y + row) * width + x) * 4;
+    return rgba.subarray(begin, begin + size.width * 4);
+  });
+  return { width: size.width, height: size.height, rgba: Buffer.concat(rows) };
+}
+
+/** The share of the pixels of two pictures that differ by more than a tenth in any colour. */
+function shareOf(a: Pixels, b: Pixels): number {
+  expect([a.width, a.height]).toEqual([b.width, b.height]);
+  let count = 0;
+  for (let i = 0; i < a.rgba.length; i += 4)
+    if ([0, 1, 2].some((c) => Math.abs((a.rgba[i + c] ?? 0) - (b.rgba[i + c] ?? 0)) > 25)) count++;
+  return count / (a.rgba.length / 4);
+}
+
+describe('a picture', () => {
+  it('of any size and passes is that of gxyrender, to the bit', async () => {
+    const page = await opened(800, 520);
+    const file = join(server.folder, 'ball.json');
+    await openFile(page, file);
+    await whole(page);
+    await page.getByRole('button', { name: 'Save picture as' }).click();
+    await fill(page, { Width: 0, Height: 211, Passes: 3 });
+    const button = page.getByRole('button', { name: 'Save as PNG' });
+    expect(await button.isDisabled()).toBe(true);
+    await page.getByText('expected 1 to 32768').waitFor();
+    expect(await seriousFindings(page)).toEqual([]);
+    await fill(page, { Width: 333 });
+    const found = await savedAs(page);
+    const ball = JSON.parse(readFileSync(file, 'utf8')) as object;
+    const scene = server.file('rays.json', JSON.stringify({ ...ball, Renderer: { 'rays per pixel': 3 } }));
+    server.make('gxyrender', scene, '-o', 'sized', '--size', '333x211');
+    const expected = decodePng(readFileSync(join(server.folder, 'sized_00000.png')));
+    expect([found.width, found.height]).toEqual([333, 211]);
+    expect(found.rgba.equals(expected.rgba)).toBe(true);
+    await finish(page);
+  });
+
+  it('has over it what the page shows, at the pixels of the screen, and no other pixel is changed', async () => {
+    const page = await opened(900, 520, 2, 'dark');
+    await openFile(page, join(server.folder, 'ball.json'));
+    await whole(page);
+    await page.getByRole('application', { name: /^Picture/ }).focus();
+    await page.keyboard.press('Shift+P');
+    await page.getByRole('dialog').getByRole('checkbox').check();
+    expect(await seriousFindings(page)).toEqual([]);
+    const marked = await savedAs(page);
+    const plain = await savedPicture(page);
+    const { width, height, box } = await canvasOf(page);
+    expect([marked.width, marked.height]).toEqual([width, height]);
+    await expect.poll(() => page.getByText(/^Saved/).count()).toBe(0); // It lies over the picture for a while.
+    const screen = await page.screenshot();
+    const at = { x: Math.round(2 * box.x), y: Math.round(2 * box.y) };
+    const shown = partOf(decodePng(screen), at, marked);
+    expect(shareOf(marked, shown)).toBeLessThan(0.04); // The lines of the legend's panel are a little apart.
+    const marks = shareOf(marked, plain);
+    expect(marks).toBeGreaterThan(0.1);
+    expect(marks).toBeLessThan(0.3);
+    let same = 0;
+    for (let i = 0; i < plain.rgba.length; i += 4)
+      if (plain.rgba.readUInt32LE(i) === marked.rgba.readUInt32LE(i)) same++;
+    expect(same / (width * height)).toBeGreaterThan(0.7);
     await finish(page);
   });
 });

@@ -4,6 +4,7 @@ import { useEffect, useState } from 'react';
 import { showDataset, showFile } from '../canvas/actions';
 import { GraphArea } from '../canvas/graph_area';
 import { useGraphStore } from '../canvas/graph_store';
+import { OutForms } from '../out/out_forms';
 import { DataPanel } from '../panels/data_panel';
 import { FileBrowser } from '../panels/file_browser';
 import { PanelArea } from '../panels/panel_area';
@@ -50,6 +51,7 @@ export function App() {
           </footer>
         </div>
         <NoticeList />
+        <OutForms />
         {help && <Help onClose={() => setHelp(false)} />}
       </>
     );
@@ -89,6 +91,7 @@ export function App() {
         status={<ConnectionStatus />}
       />
       <NoticeList />
+      <OutForms />
       {help && (
         <Help
           onClose={() => {

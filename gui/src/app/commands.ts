@@ -3,7 +3,8 @@
 import { graphDocument } from '../canvas/graph_store';
 import { withFreeNames } from '../panels/server_files';
 import { readDocument } from '../view/document';
-import type { View } from '../view/view';
+import { useForms } from '../out/forms';
+import type { PictureDetail, View } from '../view/view';
 import { useViews } from '../view/views';
 import { objectOf, objectsOf } from '../wire/json';
 import { statement } from '../wire/statement';
@@ -78,14 +79,17 @@ export async function saveGraph(name: string): Promise<void> {
 
 const pictures = new WeakMap<View, number>(); // how many were saved
 
-/** Saves the picture of this moment's camera with all its passes as PNG. */
-export async function savePicture(view: View): Promise<void> {
+type Finished = (picture: Awaited<ReturnType<View['picture']>>) => Promise<Uint8Array<ArrayBuffer>>;
+
+/** Saves the picture of this moment's camera with all its passes as PNG; in another detail if one is told. `finish` makes the file of it. */
+export async function savePicture(view: View, detail?: PictureDetail, finish?: Finished): Promise<void> {
   const number = pictures.get(view) ?? 0;
   pictures.set(view, number + 1);
   const name = `${stem(view.title)}-view_${String(number).padStart(5, '0')}.png`;
   try {
-    if (!view.status.whole) say(`Making ${name} ...`);
-    download(name, await view.picture(), 'image/png');
+    if (detail || !view.status.whole) say(`Making ${name} ...`);
+    const picture = await view.picture(detail);
+    download(name, finish ? await finish(picture) : picture.png, 'image/png');
     say(`Saved ${name}`);
   } catch (error) {
     fail(error);
@@ -103,7 +107,13 @@ async function pick(view: View): Promise<void> {
 
 /** Keys of a view that are the page's. Returns whether the key is one. */
 export function pressInView(key: string, view: View): boolean {
-  const action = { i: pick, p: savePicture, w: saveState }[key];
+  const actions: Record<string, (view: View) => unknown> = {
+    i: pick,
+    p: (of) => savePicture(of),
+    P: (of) => useForms.getState().show('picture', of),
+    w: saveState,
+  };
+  const action = Object.hasOwn(actions, key) ? actions[key] : undefined;
   if (!action) return false;
   void action(view);
   return true;

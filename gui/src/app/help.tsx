@@ -17,6 +17,7 @@ const PAGE = [
   ['i, Ctrl + click', 'what surface is under the mouse'],
   ['Escape', 'takes the picked point away; while a handle is dragged, brings it back'],
   ['p', 'save the picture as PNG'],
+  ['P', 'save the picture in any size, with or without what stands over it'],
   ['w', 'save the state file, with the camera of now'],
   ['?, h', 'this help'],
 ] as const;

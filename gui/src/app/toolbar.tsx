@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useRef } from 'react';
+import { useForms } from '../out/forms';
 import { useViews } from '../view/views';
 import { openStateFile, savePicture, saveState } from './commands';
 import { useServer } from './server';
@@ -46,6 +47,16 @@ export function Toolbar({ onHelp }: { onHelp: () => void }) {
         }}
       >
         Save picture
+      </button>
+      <button
+        type="button"
+        disabled={!view}
+        title="In any size, with or without what stands over it (P)"
+        onClick={() => {
+          if (view) useForms.getState().show('picture', view);
+        }}
+      >
+        Save picture as
       </button>
       <span className="space" />
       <button type="button" onClick={next}>

@@ -2,6 +2,7 @@
 // What a colour legend shows: the colours of a look by value, and round numbers beside them.
 import { isList, type Json, member } from '../graph/json';
 import { shippedMap, type ShippedMap } from '../maps/colormaps';
+import type { Size } from '../view/camera';
 import { colorsByValue, isovaluesOf, type Look } from './looks';
 
 export type Range = readonly [number, number];
@@ -61,6 +62,29 @@ export function legendOf(look: Look, ofData: Range | null, shipped: readonly Shi
   const range: Range = hasMarks ? [Math.min(lo, ofData[0]), Math.max(hi, ofData[1])] : [lo, hi];
   const title = String(member(look.entry, 'array') ?? member(look.entry, 'dataset') ?? look.name);
   return range[1] > range[0] ? { title, range, colors } : null;
+}
+
+const HIGHEST = 220;
+const LOWEST = 70;
+const NARROWEST = 250; // pixels of a picture that has room for a legend
+
+/** The height of the legend's bar in a picture of this size; null: there is no room for one. */
+export function barHeightIn({ width, height }: Size): number | null {
+  const bar = Math.min(HIGHEST, height - 110);
+  return bar < LOWEST || width < NARROWEST ? null : bar;
+}
+
+/** The legend of the first look that has one, and that look. */
+export function firstLegend(
+  looks: readonly Look[],
+  ranges: readonly (Range | null)[],
+  shipped: readonly ShippedMap[],
+): { legend: Legend; look: Look } | null {
+  for (const look of looks) {
+    const legend = legendOf(look, ranges[look.index] ?? null, shipped);
+    if (legend) return { legend, look };
+  }
+  return null;
 }
 
 /** Where a value is on the legend, 0 at its lower end and 1 at its upper one; at an end if it is beyond. */

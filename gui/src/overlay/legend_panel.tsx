@@ -8,9 +8,9 @@ import { hexOf, type Legend, numberTexts, placeOnLegend, roundNumbers } from './
 import type { IsovalueOfLook } from './looks';
 import { roundedTo } from './plane';
 
-const WIDTH = 114; // for nine digits and a point
+export const WIDTH = 114; // for nine digits and a point
 const BAR = { x: 20, width: 14 };
-const MARGIN = 8; // above and below the bar, for half a line of text
+export const MARGIN = 8; // above and below the bar, for half a line of text
 const LINE = 16; // pixels that a number needs
 
 interface LegendPanelProps {
@@ -24,34 +24,60 @@ interface LegendPanelProps {
 
 export function LegendPanel({ legend, isovalues, height, hands, canEdit }: LegendPanelProps) {
   const id = useId();
-  const span = legend.range[1] - legend.range[0];
-  const yOf = (value: number): number => MARGIN + (1 - placeOnLegend(legend, value)) * height;
-  const numbers = ticksOf(legend, height);
-  const texts = numberTexts(numbers, span);
   return (
     <div className="legend" role="group" aria-label={`Legend of ${legend.title}`}>
       <p>
         <Foreign text={legend.title} />
       </p>
       <svg width={WIDTH} height={height + 2 * MARGIN}>
-        <ColorBar {...{ legend, height, id }} />
-        {numbers.map((number, i) => (
-          <g key={number}>
-            <path className="tick" d={`M${BAR.x + BAR.width} ${yOf(number)}h4`} />
-            <text x={BAR.x + BAR.width + 7} y={yOf(number) + 4}>
-              {texts[i]}
-            </text>
-          </g>
-        ))}
+        <LegendScale {...{ legend, height, id }} />
         {isovalues.map((of) => (
           <IsovalueMark
             key={of.path.join('/')}
-            {...{ of, legend, height, hands, canEdit, y: yOf(of.value) }}
+            {...{ of, legend, height, hands, canEdit, y: placeIn(legend, height, of.value) }}
           />
         ))}
       </svg>
-      {isovalues.length > 0 && <p className="weak">at {isovalues.map(({ value }) => value).join(', ')}</p>}
+      {isovalues.length > 0 && <p className="weak">{isovaluesText(isovalues)}</p>}
     </div>
+  );
+}
+
+/** For people. */
+export const isovaluesText = (isovalues: readonly IsovalueOfLook[]): string =>
+  `at ${isovalues.map(({ value }) => value).join(', ')}`;
+
+/** The place of a value, in pixels from the upper end of the legend's margin. */
+function placeIn(legend: Legend, height: number, value: number): number {
+  return MARGIN + (1 - placeOnLegend(legend, value)) * height;
+}
+
+interface LegendScaleProps {
+  readonly legend: Legend;
+  readonly height: number;
+  /** Of its gradient, unique in the document. */
+  readonly id: string;
+}
+
+/** The bar of colours, and numbers beside it. */
+export function LegendScale({ legend, height, id }: LegendScaleProps) {
+  const numbers = ticksOf(legend, height);
+  const texts = numberTexts(numbers, legend.range[1] - legend.range[0]);
+  return (
+    <>
+      <ColorBar {...{ legend, height, id }} />
+      {numbers.map((number, i) => {
+        const y = placeIn(legend, height, number);
+        return (
+          <g key={number}>
+            <path className="tick" d={`M${BAR.x + BAR.width} ${y}h4`} />
+            <text x={BAR.x + BAR.width + 7} y={y + 4}>
+              {texts[i]}
+            </text>
+          </g>
+        );
+      })}
+    </>
   );
 }
 
@@ -84,6 +110,23 @@ function ColorBar({ legend, height, id }: { legend: Legend; height: number; id: 
   );
 }
 
+const shapeOf = (y: number): string => `M${BAR.x - 1} ${y}l-14 -7v14z`;
+
+const isBeyond = ({ value }: IsovalueOfLook, { range: [lo, hi] }: Legend): boolean =>
+  value < lo || value > hi;
+
+interface StillMarkProps {
+  readonly of: IsovalueOfLook;
+  readonly legend: Legend;
+  readonly height: number;
+}
+
+/** The mark of an isovalue that no hand moves. */
+export function StillMark({ of, legend, height }: StillMarkProps) {
+  const name = isBeyond(of, legend) ? 'mark mark-beyond' : 'mark';
+  return <path className={name} d={shapeOf(placeIn(legend, height, of.value))} />;
+}
+
 interface MarkProps {
   readonly of: IsovalueOfLook;
   readonly legend: Legend;
@@ -112,13 +155,11 @@ function IsovalueMark({ of, legend, height, hands, canEdit, y }: MarkProps) {
     (from) => (to) => valid(lo + (1 - (to.y + y - from.y - MARGIN) / height) * span),
     byKey,
   );
-  const isBeyond = of.value < lo || of.value > hi;
-  const shape = `M${BAR.x - 1} ${y}l-14 -7v14z`;
-  if (!canEdit) return <path className="mark" d={shape} />;
+  if (!canEdit) return <StillMark {...{ of, legend, height }} />;
   return (
     <path
-      className={isBeyond ? 'mark mark-beyond' : 'mark'}
-      d={shape}
+      className={isBeyond(of, legend) ? 'mark mark-beyond' : 'mark'}
+      d={shapeOf(y)}
       role="slider"
       tabIndex={0}
       aria-label={`Move ${of.label}`}

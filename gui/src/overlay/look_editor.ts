@@ -87,6 +87,15 @@ class OwnLooks implements LookEditor {
   }
 }
 
+/** The document that has the looks of a view, and which visualization it is there; null if the page does not have it. */
+export function lookDocument(view: View): { document: JsonObject; which: string | number } | null {
+  const { ofGraph } = view;
+  if (!ofGraph) return { document: (view.ownDocument ?? {}) as JsonObject, which: view.visualizationShown };
+  const { session } = useGraphStore.getState();
+  if (session?.name !== ofGraph.graph) return null;
+  return { document: session.snapshot.document, which: ofGraph.view };
+}
+
 const NOTHING = { document: {} };
 
 /** Edits the looks of a view; null if the view's graph is not the one that is open. `document` is that of now. */

@@ -113,3 +113,9 @@ export function colorsByValue({ entry }: Look): boolean {
   };
   return member(entry, 'volume rendering') === true || has('slices') || has('isovalues') || has('plane');
 }
+
+/** The looks whose legend and handles are shown: those that are selected, or all if none is. */
+export function heldOf(looks: readonly Look[], selection: readonly string[]): readonly Look[] {
+  const chosen = looks.filter((look) => selection.includes(idOf(look)));
+  return chosen.length > 0 ? chosen : looks;
+}

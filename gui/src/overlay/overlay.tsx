@@ -8,10 +8,10 @@ import type { Size } from '../view/camera';
 import type { Seen } from '../view/remote_window';
 import type { View } from '../view/view';
 import { HandEdits, withDraft } from './hand_edits';
-import { legendOf } from './legend';
+import { barHeightIn, firstLegend } from './legend';
 import { LegendPanel } from './legend_panel';
 import { type LookEditor, useLookEditor } from './look_editor';
-import { idOf, isovaluesOf, type Look, looksOf, planesOf } from './looks';
+import { heldOf, isovaluesOf, type Look, looksOf, planesOf } from './looks';
 import { AxesMark, BoxMark, PickMark } from './marks';
 import './overlay.css';
 import { useOverlays } from './overlay_state';
@@ -68,8 +68,7 @@ function OfDocument({
     () => looksOf(withDraft(document, draft), editor.which),
     [document, draft, editor.which],
   );
-  const chosen = looks.filter((look) => selection.includes(idOf(look)));
-  const held = chosen.length > 0 ? chosen : looks;
+  const held = heldOf(looks, selection);
 
   function key(event: KeyboardEvent): void {
     if (!(event.ctrlKey || event.metaKey)) return;
@@ -116,21 +115,14 @@ interface OfLookProps {
   readonly size: Size;
 }
 
-const HIGHEST = 220;
-const LOWEST = 70;
-const NARROWEST = 250; // pixels of a picture that has room for a legend
-
 /** The legend of the first look that has one. */
 function OfLook({ looks, seen, hands, canEdit, size }: OfLookProps) {
   const shipped = useShippedMaps();
-  const bar = Math.min(HIGHEST, size.height - 110);
-  if (bar < LOWEST || size.width < NARROWEST) return null;
-  for (const look of looks) {
-    const legend = legendOf(look, seen.ranges[look.index] ?? null, shipped);
-    if (legend)
-      return <LegendPanel {...{ legend, isovalues: isovaluesOf(look), height: bar, hands, canEdit }} />;
-  }
-  return null;
+  const height = barHeightIn(size);
+  const first = height === null ? null : firstLegend(looks, seen.ranges, shipped);
+  if (height === null || !first) return null;
+  const { legend, look } = first;
+  return <LegendPanel {...{ legend, isovalues: isovaluesOf(look), height, hands, canEdit }} />;
 }
 
 const NO_MAPS: readonly ShippedMap[] = [];

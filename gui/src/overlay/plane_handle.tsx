@@ -37,17 +37,33 @@ export interface PlaneHandleProps {
 
 const json = (plane: Plane): Json => [...plane];
 
+/** The outline of a plane in the box, as the data of a path. */
+function outlinePath(view: Projection, box: Box, plane: Plane): string {
+  const corners = outlineOf(plane, box);
+  const lines =
+    corners.length < 3 ? [] : corners.map((from, i) => [from, corners[(i + 1) % corners.length] ?? from]);
+  return lines
+    .map(([from, to]) => from && to && projectLine(view, from, to))
+    .map((line) => (line ? `M${line[0].x} ${line[0].y}L${line[1].x} ${line[1].y}` : ''))
+    .join('');
+}
+
+/** The outline of a plane that no hand moves. */
+export function PlaneOutline({ of, view, box }: Pick<PlaneHandleProps, 'of' | 'view' | 'box'>) {
+  const path = outlinePath(view, box, of.plane);
+  return (
+    <g className={`plane plane-${of.kind}`}>
+      <path className="halo" d={path} />
+      <path className="line" d={path} />
+    </g>
+  );
+}
+
 export function PlaneHandle(props: PlaneHandleProps) {
   const { of, view, box, canEdit } = props;
   const [held, setHeld] = useState<Vec3 | null>(null); // about which a hand turns the plane
   const anchor = held ?? anchorOf(of.plane, box);
-  const corners = outlineOf(of.plane, box);
-  const lines =
-    corners.length < 3 ? [] : corners.map((from, i) => [from, corners[(i + 1) % corners.length] ?? from]);
-  const path = lines
-    .map(([from, to]) => from && to && projectLine(view, from, to))
-    .map((line) => (line ? `M${line[0].x} ${line[0].y}L${line[1].x} ${line[1].y}` : ''))
-    .join('');
+  const path = outlinePath(view, box, of.plane);
   const at = project(view, anchor);
   return (
     <g className={`plane plane-${of.kind}`} data-plane={of.path.join('/')}>

@@ -47,7 +47,7 @@ interface OfWindow {
 }
 
 /** Whether a frame has failed since newer data have taken the place of its own. */
-export const isPushedOut = (error: string): boolean => error.includes('needs the room of generation');
+const isPushedOut = (error: string): boolean => error.includes('needs the room of generation');
 
 /** For people; an error begins with "error: ". */
 export function statusText(frame: Frame, { isReady, isHeld, passes, progress, error }: OfWindow): string {

@@ -7,7 +7,7 @@ import { statement } from '../wire/statement';
 import { type Camera, cameraJson, type Size, vectorIn } from './camera';
 import { camerasOf, datasetsOf, raysPerPixelOf, shownPart, visualizationsOf, withCamera } from './document';
 import type { Pictures } from './pictures';
-import { isPushedOut, type WindowStatus } from './frame_status';
+import type { WindowStatus } from './frame_status';
 import { RemoteWindow, type Seen, type Shown } from './remote_window';
 import { still } from './still';
 import {
@@ -38,6 +38,13 @@ export interface ViewStatus extends WindowStatus {
   held: boolean;
 }
 
+/** How fine a picture is. */
+export interface PictureDetail {
+  readonly size: Size;
+  /** Each with a ray per pixel. */
+  readonly passes: number;
+}
+
 /** What was found at a place of the picture. */
 export interface Picked {
   /** For people: operator, point and value, or that there is nothing. */
@@ -49,7 +56,6 @@ export interface Picked {
 /** Of a picture at rest, with a ray per pixel each. */
 export const PASSES = 16;
 const REST = 700; // milliseconds without a motion
-const MOST_TRIES = 3; // to make a picture that is saved
 const SPIN = 30; // degrees a second
 const NOTHING: WindowStatus = {
   ...{ text: '', whole: false, lossless: false, pass: 0, passes: PASSES, generations: {} },
@@ -277,28 +283,29 @@ export class View {
 
   // --- what the user asks for ---
 
-  /** A PNG of this moment's camera, with all passes and the server's pixels to the bit. */
-  async picture(): Promise<Uint8Array<ArrayBuffer>> {
+  /** The size and the passes of its pictures at rest. */
+  get detail(): PictureDetail {
+    return { size: this.size, passes: this.passes };
+  }
+
+  /**
+   * A PNG of this moment's camera, with the server's pixels to the bit, in the detail of the view or another one, and what it was made from.
+   */
+  async picture(detail: PictureDetail = this.detail): Promise<{ png: Uint8Array<ArrayBuffer>; seen: Seen }> {
     const { window, camera } = this;
+    const { size, passes } = detail;
     if (!window || !camera) throw new Error('screenshot: there is no picture yet');
+    const { width, height } = this.size;
+    const isOwn = size.width === width && size.height === height && passes === this.passes;
     // A held picture cannot be made again: the data of its step may be gone.
     const isKept = this.held && window.status.pass > 0;
-    if (window.status.whole || isKept) return this.pictures.png(window.id);
+    if (isKept && !isOwn)
+      throw new Error('The picture is held: it can be saved as it is shown, or released first.');
+    const seen = { ranges: [], ...window.seen, box: window.box, camera, size };
+    if (isKept) return { png: await this.pictures.png(window.id), seen: window.seen ?? seen };
+    if (isOwn && window.status.whole) return { png: await this.pictures.png(window.id), seen };
     const shown: Shown = this.source.kind === 'graph' ? this.source : this.part();
-    const wanted = { shown, camera, size: this.size, passes: this.passes };
-    for (let tries = 1; ; tries++) {
-      try {
-        return await still(this.connection, this.pictures, wanted);
-      } catch (error) {
-        // Newer data may have taken the room of these before all passes were made. Then it is made of the newer ones.
-        const isOver = error instanceof Error && isPushedOut(error.message);
-        if (!isOver) throw error;
-        if (tries === MOST_TRIES)
-          throw new Error(
-            'newer data came before the picture was made. Hold the picture (key k), and save it then.',
-          );
-      }
-    }
+    return { png: await still(this.connection, this.pictures, { shown, camera, size, passes }), seen };
   }
 
   /** Finds what surface is under the mouse. */

@@ -26,6 +26,24 @@ function chunk(type: string, data: Uint8Array): Uint8Array<ArrayBuffer> {
   return bytes;
 }
 
+/** Of a file that encodePng() has written: its pixels again. */
+export async function decodePng(
+  png: Uint8Array<ArrayBuffer>,
+): Promise<{ rgba: Uint8ClampedArray<ArrayBuffer>; width: number; height: number }> {
+  const view = new DataView(png.buffer, png.byteOffset, png.byteLength);
+  const [width, height] = [view.getUint32(16), view.getUint32(20)];
+  const at = SIGNATURE.length + 25 + 8; // behind IHDR and the head of the only IDAT
+  const data = png.subarray(at, at + view.getUint32(at - 8));
+  const stream = new Blob([data]).stream().pipeThrough(new DecompressionStream('deflate'));
+  const rows = new Uint8Array(await new Response(stream).arrayBuffer());
+  const rgba = new Uint8ClampedArray(width * height * 4);
+  for (let y = 0; y < height; y++) {
+    const begin = y * (1 + width * 4) + 1;
+    rgba.set(rows.subarray(begin, begin + width * 4), y * width * 4);
+  }
+  return { rgba, width, height };
+}
+
 async function deflated(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Array> {
   const stream = new Blob([bytes]).stream().pipeThrough(new CompressionStream('deflate'));
   return new Uint8Array(await new Response(stream).arrayBuffer());

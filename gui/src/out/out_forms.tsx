@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useForms } from './forms';
+import { PictureForm } from './picture_form';
+
+/** The form that is open, if one is. */
+export function OutForms() {
+  const { open, close } = useForms();
+  if (!open) return null;
+  return <PictureForm view={open.view} onClose={close} />;
+}
