@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What leaves the page: graphs as Python programs, and pictures of any size with and without marks.
+// What leaves the page: graphs as Python programs, and pictures of any size with and without marks, and
+// Cinema databases.
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Locator, Page } from 'playwright-core';
-import { afterAll, beforeAll, describe, expect, it } from 'vitest';
+import { afterAll, beforeAll, describe, expect, inject, it } from 'vitest';
 import { Browser, canvasOf, openFile, saved, savedPicture, seriousFindings, whole } from './browser';
 import { card, figure1, openGraphFile, publishFigure1, renderedFigure, savedGraph, state } from './canvas';
 import { decodePng, type Pixels } from './png';
@@ -51,6 +52,32 @@ async function fill(page: Page, fields: Record<string, number | string>): Promis
   for (const [label, value] of Object.entries(fields))
     await form(page).getByLabel(label, { exact: true }).fill(String(value));
 }
+
+async function cinemaForm(page: Page, fields: Record<string, number | string>): Promise<void> {
+  await page.getByRole('button', { name: 'Cinema', exact: true }).click();
+  await fill(page, fields);
+}
+
+/** Chooses something to vary. */
+async function axis(page: Page, label: RegExp, values: Record<string, number>): Promise<void> {
+  const row = form(page).getByRole('group', { name: label });
+  await row.getByRole('checkbox').check();
+  for (const [key, value] of Object.entries(values)) await row.getByLabel(key).fill(String(value));
+}
+
+/** Waits until the form tells a number of pictures, has them made, and waits for that. */
+async function makeAll(page: Page, pictures: number): Promise<void> {
+  await form(page)
+    .getByText(new RegExp(`^${pictures} pictures\\. About `))
+    .waitFor();
+  await form(page).getByRole('button', { name: 'Make' }).click();
+  await form(page)
+    .getByText(new RegExp(`^Made ${pictures} pictures; `))
+    .waitFor();
+}
+
+/** What gxydata finds of a database. */
+const checked = (database: string): string => server.make('gxydata', 'check-cinema', database).trim();
 
 /** Runs a program in the server's folder by the first Python that has NumPy. */
 function runPython(program: string): void {
@@ -142,6 +169,12 @@ describe('a graph as a Python program', () => {
       Operators: [...document.Operators, { name: 'particles', type: 'Particles', dataset: 'class' }],
       Visualizations: [{ ...document.Visualizations[0], operators: [shown, 'particles'] }],
     });
+    // What a graph makes is found by a Cinema database of its view.
+    await whole(page);
+    await cinemaForm(page, { Folder: 'names', Width: 32, Height: 32, Passes: 1 });
+    await axis(page, /^phi/, { count: 2 });
+    await makeAll(page, 2);
+    expect(checked('names.cdb')).toBe('names.cdb: 2 rows, 1 parameter, 1 column of files: valid');
     await finish(page);
   });
 });
@@ -167,6 +200,52 @@ function shareOf(a: Pixels, b: Pixels): number {
     if ([0, 1, 2].some((c) => Math.abs((a.rgba[i + c] ?? 0) - (b.rgba[i + c] ?? 0)) > 25)) count++;
   return count / (a.rgba.length / 4);
 }
+
+describe('a Cinema database', () => {
+  it('has as many pictures as the form has said, each of gxyrender’s bits', async () => {
+    const page = await opened(1280, 800, 1, 'dark');
+    await openFile(page, join(server.folder, 'ball.json'));
+    await whole(page);
+    await cinemaForm(page, { Folder: 'sweep.cdb', Width: 64, Height: 48, Passes: 2 });
+    await axis(page, /^phi/, { from: 0, to: 90, count: 3 });
+    await axis(page, /^isovalue 1 of ball/, { from: 0.5, to: 0.5, count: 2 });
+    await form(page).getByText('expected two different numbers').waitFor();
+    expect(await seriousFindings(page)).toEqual([]);
+    await axis(page, /^isovalue 1 of ball/, { to: 0.75 });
+    await page.screenshot({ path: join(inject('pictures'), 'cinema-form.png') });
+    await makeAll(page, 6);
+    expect(checked('sweep.cdb')).toBe('sweep.cdb: 6 rows, 2 parameters, 1 column of files: valid');
+    // The first one is the view itself.
+    const table = readFileSync(join(server.folder, 'sweep.cdb/data.csv'), 'utf8').trim().split('\r\n');
+    expect(table.slice(0, 2)).toEqual(['phi,isovalue,FILE', expect.stringMatching(/^0\.0,0\.5,/)]);
+    const file = table[1]?.split(',')[2] ?? '';
+    const found = decodePng(readFileSync(join(server.folder, 'sweep.cdb', file)));
+    const ball = JSON.parse(readFileSync(join(server.folder, 'ball.json'), 'utf8')) as object;
+    const scene = server.file('two.json', JSON.stringify({ ...ball, Renderer: { 'rays per pixel': 2 } }));
+    server.make('gxyrender', scene, '-o', 'two', '--size', '64x48');
+    const expected = decodePng(readFileSync(join(server.folder, 'two_00000.png')));
+    expect(found.rgba.equals(expected.rgba)).toBe(true);
+
+    // One that is cancelled is valid, too, and has fewer.
+    await fill(page, { Folder: 'cut.cdb', Width: 320, Height: 240, Passes: 64 });
+    await axis(page, /^phi/, { count: 500 });
+    await form(page)
+      .getByText(/^1000 pictures\. About /)
+      .waitFor();
+    await form(page).getByRole('button', { name: 'Make' }).click();
+    await form(page)
+      .getByText(/^[1-9]\d* of 1000 in cut\.cdb/)
+      .waitFor();
+    await form(page).getByRole('button', { name: 'Cancel' }).click();
+    await form(page)
+      .getByText(/^Cancelled; /)
+      .waitFor();
+    const rows = Number(/^cut\.cdb: (\d+) rows?, .* valid$/.exec(checked('cut.cdb'))?.[1]);
+    expect(rows).toBeGreaterThan(0);
+    expect(rows).toBeLessThan(1000);
+    await finish(page);
+  });
+});
 
 describe('a picture', () => {
   it('of any size and passes is that of gxyrender, to the bit', async () => {

@@ -58,6 +58,16 @@ export function Toolbar({ onHelp }: { onHelp: () => void }) {
       >
         Save picture as
       </button>
+      <button
+        type="button"
+        disabled={!view}
+        title="Have the server make many pictures of the view, from many sides (C)"
+        onClick={() => {
+          if (view) useForms.getState().show('cinema', view);
+        }}
+      >
+        Cinema
+      </button>
       <span className="space" />
       <button type="button" onClick={next}>
         Theme: {theme}

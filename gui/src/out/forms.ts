@@ -3,7 +3,7 @@
 import { create } from 'zustand';
 import type { View } from '../view/view';
 
-export type FormKind = 'picture';
+export type FormKind = 'picture' | 'cinema';
 
 interface Forms {
   readonly open: { readonly kind: FormKind; readonly view: View } | undefined;

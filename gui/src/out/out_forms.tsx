@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { CinemaForm } from './cinema_form';
 import { useForms } from './forms';
 import { PictureForm } from './picture_form';
 
@@ -6,5 +7,6 @@ import { PictureForm } from './picture_form';
 export function OutForms() {
   const { open, close } = useForms();
   if (!open) return null;
-  return <PictureForm view={open.view} onClose={close} />;
+  const Form = open.kind === 'picture' ? PictureForm : CinemaForm;
+  return <Form view={open.view} onClose={close} />;
 }

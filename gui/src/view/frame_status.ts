@@ -32,6 +32,8 @@ export interface WindowStatus {
   lossless: boolean;
   pass: number;
   passes: number;
+  /** That all its passes took; 0 until they are there. */
+  seconds: number;
   generations: Record<string, number>;
 }
 

@@ -230,6 +230,7 @@ export class RemoteWindow {
       lossless: frame.lossless,
       pass: frame.scale === 1 && frame.lossless ? frame.pass + 1 : 0,
       passes: this.passes,
+      seconds: frame.ended ? frame.seconds : 0,
       generations: this.generations,
     };
   }

@@ -58,7 +58,7 @@ export const PASSES = 16;
 const REST = 700; // milliseconds without a motion
 const SPIN = 30; // degrees a second
 const NOTHING: WindowStatus = {
-  ...{ text: '', whole: false, lossless: false, pass: 0, passes: PASSES, generations: {} },
+  ...{ text: '', whole: false, lossless: false, pass: 0, passes: PASSES, seconds: 0, generations: {} },
 };
 
 export class View {
@@ -141,6 +141,11 @@ export class View {
   /** The number of the frame that is shown; 0: none. */
   get frameShown(): number {
     return this.window?.frameShown ?? 0;
+  }
+
+  /** Where the user looks from; null: it is not known yet. */
+  get cameraNow(): Camera | null {
+    return this.camera;
   }
 
   get picked(): Picked | null {
