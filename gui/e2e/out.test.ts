@@ -54,7 +54,8 @@ async function fill(page: Page, fields: Record<string, number | string>): Promis
 }
 
 async function cinemaForm(page: Page, fields: Record<string, number | string>): Promise<void> {
-  await page.getByRole('button', { name: 'Cinema', exact: true }).click();
+  await page.getByRole('application', { name: /^Picture/ }).focus();
+  await page.keyboard.press('m');
   await fill(page, fields);
 }
 

@@ -111,7 +111,7 @@ export function pressInView(key: string, view: View): boolean {
     i: pick,
     p: (of) => savePicture(of),
     P: (of) => useForms.getState().show('picture', of),
-    C: (of) => useForms.getState().show('cinema', of),
+    m: (of) => useForms.getState().show('cinema', of),
     w: saveState,
   };
   const action = Object.hasOwn(actions, key) ? actions[key] : undefined;

@@ -18,7 +18,7 @@ const PAGE = [
   ['Escape', 'takes the picked point away; while a handle is dragged, brings it back'],
   ['p', 'save the picture as PNG'],
   ['P', 'save the picture in any size, with or without what stands over it'],
-  ['C', 'have the server make many pictures: a Cinema database'],
+  ['m', 'have the server make many pictures: a Cinema database'],
   ['w', 'save the state file, with the camera of now'],
   ['?, h', 'this help'],
 ] as const;

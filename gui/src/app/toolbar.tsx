@@ -61,7 +61,7 @@ export function Toolbar({ onHelp }: { onHelp: () => void }) {
       <button
         type="button"
         disabled={!view}
-        title="Have the server make many pictures of the view, from many sides (C)"
+        title="Have the server make many pictures of the view, from many sides (m)"
         onClick={() => {
           if (view) useForms.getState().show('cinema', view);
         }}
