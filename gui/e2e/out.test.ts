@@ -254,7 +254,7 @@ describe('a picture', () => {
     const file = join(server.folder, 'ball.json');
     await openFile(page, file);
     await whole(page);
-    await page.getByRole('button', { name: 'Save picture as' }).click();
+    await page.getByRole('button', { name: 'Export picture' }).click();
     await fill(page, { Width: 0, Height: 211, Passes: 3 });
     const button = page.getByRole('button', { name: 'Save as PNG' });
     expect(await button.isDisabled()).toBe(true);

@@ -56,7 +56,7 @@ export function Toolbar({ onHelp }: { onHelp: () => void }) {
           if (view) useForms.getState().show('picture', view);
         }}
       >
-        Save picture as
+        Export picture
       </button>
       <button
         type="button"

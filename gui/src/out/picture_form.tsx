@@ -42,7 +42,7 @@ export function PictureForm({ view, onClose }: { readonly view: View; readonly o
     onClose();
   }
   return (
-    <FormDialog title="Save picture as" onClose={onClose} onSubmit={save}>
+    <FormDialog title="Export picture" onClose={onClose} onSubmit={save}>
       <NumberText label="Width" value={width} onChange={setWidth} problem={problems[0]} />
       <NumberText label="Height" value={height} onChange={setHeight} problem={problems[1]} />
       <NumberText label="Passes" value={passes} onChange={setPasses} problem={problems[2]} />
