@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture with all its passes, made in a window of the server of its own while the view goes on.
+// A picture with all its rays, made in a window of the server of its own while the view goes on.
 import type { Connection } from '../wire/connection';
 import { statement } from '../wire/statement';
 import { type Camera, cameraJson, type Size } from './camera';
@@ -40,7 +40,8 @@ export async function still(
       shown.kind === 'document'
         ? statement('viewer.set', [window], shown.document)
         : statement('viewer.show', [window], { graph: shown.graph, view: shown.view });
-    const render = { Camera: cameraJson(camera), levels: [1], rays: 1, passes };
+    // All rays are in one pass: newer data end a frame that has one, as it has a picture to show.
+    const render = { Camera: cameraJson(camera), levels: [1], rays: passes, passes: 1 };
     await Promise.all([
       connection.request(statement('viewer.window', [window], { size: [width, height] })),
       connection.request(set),
