@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { difference, wasOrdered } from './difference';
+import { difference } from './difference';
 import { type Edit, applied } from './edits';
 import { type JsonObject, equal } from './json';
 import { randomEdit, randomNumbers } from './testing';
@@ -37,24 +37,5 @@ describe('what has changed between two documents', () => {
       { set: ['Datasets', 'a', 'count'], to: 5 },
       { add: ['Datasets'], to: { name: 'b' }, at: 2 },
     ]);
-  });
-});
-
-describe('an edit without a reply', () => {
-  const others: Edit[] = [{ set: ['Datasets', 'a', 'seed'], to: 9 }];
-  const own: readonly (readonly [string, readonly Edit[]])[] = [
-    ['a value', [{ set: ['Datasets', 'a', 'count'], to: 5 }]],
-    ['a new node', [{ add: ['Datasets'], to: { name: 'b', type: 'Volume' } }]],
-    ['a name in a list', [{ add: ['Visualizations', 'view', 'operators'], to: 'look' }]],
-    ['a removed node', [{ remove: ['Datasets', 'a'] }]],
-    ['a removed value', [{ remove: ['Datasets', 'a', 'count'] }]],
-    ['a new name', [{ rename: ['Datasets', 'a'], to: 'c' }]],
-  ];
-  it.each(own)('was carried out, or not, whatever others did: %s', (_, edits) => {
-    expect(wasOrdered(start, start, 0, edits)).toBe(false);
-    expect(wasOrdered(start, after(start, edits), 1, edits)).toBe(true);
-    expect(wasOrdered(start, after(start, others), 1, edits)).toBe(false);
-    expect(wasOrdered(start, after(start, others, edits), 2, edits)).toBe(true);
-    expect(wasOrdered(start, after(start, others), 2, edits)).toBe(false);
   });
 });

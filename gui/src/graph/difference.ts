@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What has changed between two documents, where the edits between them are not known: the connection was lost meanwhile.
-import { type Edit, type Path, applied, find } from './edits';
+import type { Edit, Path } from './edits';
 import { type Json, type JsonObject, equal, isList, isObject, member } from './json';
-import { pathOf } from './undo';
 
 const nameOf = (item: Json): string | undefined => {
   const name = member(item, 'name');
@@ -51,52 +50,4 @@ function betweenLists(from: readonly Json[], to: readonly Json[], path: Path): r
     else edits.push(...between(from[place], item, [...path, name]));
   });
   return edits;
-}
-
-/**
- * Whether the server has carried out own edits that it did not reply to, by what its document is now. `missed` is by how much its revision
- * is ahead of that of `before`. Of one edit that was missed it is certain. Of several, the document has the edits if it has anything that
- * they do and `before` lacks: an edit is carried out whole or not at all. Where that is an error, since others did the same, the edit is
- * left out; it is never carried out twice.
- */
-export function wasOrdered(
-  before: JsonObject,
-  now: JsonObject,
-  missed: number,
-  edits: readonly Edit[],
-): boolean {
-  let guess: JsonObject;
-  try {
-    guess = applied(before, edits).document;
-  } catch {
-    return false;
-  }
-  if (missed === 0 || equal(before, now)) return false;
-  if (missed === 1) return equal(guess, now);
-  return edits.some((edit) => isDone(edit, before, guess, now));
-}
-
-/** Whether the document has now what an edit does, and had not before. */
-function isDone(edit: Edit, before: JsonObject, guess: JsonObject, now: JsonObject): boolean {
-  if ('rename' in edit) {
-    const renamed: Path = [edit.rename[0] as string, edit.to];
-    return find(before, renamed) === undefined && find(now, renamed) !== undefined;
-  }
-  if ('set' in edit) {
-    const is = (document: JsonObject): boolean => equal(find(document, edit.set), edit.to);
-    return is(now) && !is(before);
-  }
-  const path = pathOf(edit);
-  const list = 'add' in edit ? path : path.slice(0, -1);
-  if (!isList(find(guess, list))) return find(now, path) === undefined && find(before, path) !== undefined;
-  // Elements with a name are there once; of others only their number tells.
-  const item = 'add' in edit ? edit.to : find(before, path);
-  const count = (document: JsonObject): number => countIn(find(document, list), item);
-  return 'add' in edit ? count(now) > count(before) : count(now) < count(before);
-}
-
-function countIn(list: Json | undefined, item: Json | undefined): number {
-  const name = item === undefined ? undefined : nameOf(item);
-  const isIt = (other: Json): boolean => (name === undefined ? equal(other, item) : nameOf(other) === name);
-  return isList(list) ? list.filter(isIt).length : 0;
 }

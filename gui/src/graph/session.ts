@@ -64,9 +64,11 @@ export class GraphSession {
   private isTold = false; // whether listeners will be told at the end of this turn
   private current: GraphSnapshot;
 
+  /** `who`: by what the server knows edits of this session again, also after the connection was lost. */
   constructor(
     private readonly connection: Connection,
     readonly name: string,
+    private readonly who = randomName(),
   ) {
     this.current = this.taken();
     const of = (handler: (event: JsonObject) => void) => (event: WireObject) => {
@@ -196,6 +198,7 @@ export class GraphSession {
     this.held = [];
     try {
       await this.connection.request(statement('graph.watch', [this.name]));
+      if (this.shared.isUnsure) await this.sendNext(); // Then it is in the document that is read.
       await this.read();
     } catch (error) {
       if (this.connection.state.kind !== 'open') return;
@@ -214,9 +217,7 @@ export class GraphSession {
     this.held ??= [];
     const reply = (await this.connection.request(statement('graph.get', [this.name]))) as JsonObject;
     const document = member(reply, 'document');
-    const guessed = this.shared.reset(isObject(document) ? document : {}, numberOf(reply, 'revision'));
-    if (guessed)
-      this.note(`Not sent again, since the graph seems to have it already: ${JSON.stringify(guessed)}`);
+    this.shared.reset(isObject(document) ? document : {}, numberOf(reply, 'revision'));
     this.states = statesIn(reply);
     this.isPaused = member(reply, 'paused') === true;
     if (this.ranAt === 0) this.ranAt = this.shared.revision;
@@ -270,28 +271,32 @@ export class GraphSession {
 
   private send(): void {
     if (this.connection.state.kind !== 'open' || this.held || this.isGone) return;
+    void this.sendNext().then((isSent) => {
+      if (isSent) this.send();
+    });
+  }
+
+  /** Sends the next own edit, if there is one and none is on its way, and takes the answer. */
+  private async sendNext(): Promise<boolean> {
     const own = this.shared.next();
-    if (!own) return;
-    const request = { edits: own.edits as unknown as WireObject[], ...(own.live ? { live: true } : {}) };
-    this.connection.request(statement('graph.edit', [this.name], request)).then(
-      (reply) => {
-        this.shared.accepted(numberOf(reply as JsonObject, 'revision'));
-        for (const warning of (reply['warnings'] ?? []) as string[]) this.note(warning);
-        this.changed();
-        this.send();
-        this.takeSteps();
-      },
-      (error: unknown) => {
-        const isLost = this.connection.state.kind !== 'open';
-        this.shared.refused(isLost);
-        if (!isLost) {
-          this.refuse(own.edits, messageOf(error));
-          this.forgetSteps(); // They were meant to take back or follow what has not happened.
-        }
-        this.changed();
-        this.send();
-      },
-    );
+    if (!own) return false;
+    const edits = own.edits as unknown as WireObject[];
+    const request = { edits, ...(own.live ? { live: true } : {}), once: [this.who, own.number] };
+    try {
+      const reply = await this.connection.request(statement('graph.edit', [this.name], request));
+      this.shared.accepted(numberOf(reply as JsonObject, 'revision'));
+      for (const warning of (reply['warnings'] ?? []) as string[]) this.note(warning);
+    } catch (error) {
+      const isLost = this.connection.state.kind !== 'open';
+      this.shared.refused(isLost);
+      if (!isLost) {
+        this.refuse(own.edits, messageOf(error));
+        this.forgetSteps(); // They were meant to take back or follow what has not happened.
+      }
+    }
+    this.changed();
+    this.takeSteps();
+    return true;
   }
 
   private step(kind: 'undo' | 'redo'): void {
@@ -364,6 +369,11 @@ export class GraphSession {
 function numberOf(json: Json | undefined, key: string): number {
   const value = member(json, key);
   return typeof value === 'number' ? value : 0;
+}
+
+function randomName(): string {
+  const word = (): string => Math.floor(Math.random() * 2 ** 32).toString(16);
+  return [word(), word(), word(), word()].join('-');
 }
 
 export function messageOf(error: unknown): string {

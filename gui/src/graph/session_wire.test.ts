@@ -60,7 +60,7 @@ const document = { Datasets: [{ name: 'a', filter: 'Seeds', count: 1 }] };
 
 async function begun(): Promise<{ fake: Fake; session: GraphSession }> {
   const fake = new Fake();
-  const session = new GraphSession(fake, 'g');
+  const session = new GraphSession(fake, 'g', 'me');
   await fake.answer({ revision: 3 });
   await fake.answer({
     document,
@@ -77,7 +77,7 @@ const setCount = (to: number) => [{ set: ['Datasets', 'a', 'count'], to }];
 describe('a session', () => {
   it('watches before it reads, and takes what came in between', async () => {
     const fake = new Fake();
-    const session = new GraphSession(fake, 'g');
+    const session = new GraphSession(fake, 'g', 'me');
     expect(fake.said).toEqual(['graph.watch g']);
     await fake.answer({ revision: 3 });
     expect(fake.said[1]).toBe('graph.get g');
@@ -91,7 +91,9 @@ describe('a session', () => {
     const { fake, session } = await begun();
     session.edit(setCount(-1));
     expect(count(session)).toBe(-1);
-    expect(fake.said[2]).toBe('graph.edit g {"edits":[{"set":["Datasets","a","count"],"to":-1}]}');
+    expect(fake.said[2]).toBe(
+      'graph.edit g {"edits":[{"set":["Datasets","a","count"],"to":-1}],"once":["me",1]}',
+    );
     await fake.answer(new Error('Datasets["a"]: `count`: expected an integer >= 1, found -1'));
     expect(count(session)).toBe(1);
     expect(session.snapshot.problems).toEqual([
@@ -114,14 +116,16 @@ describe('a session', () => {
     expect(session.snapshot.canUndo).toBe(true);
     session.undo();
     expect(count(session)).toBe(1);
-    expect(fake.said[3]).toBe('graph.edit g {"edits":[{"set":["Datasets","a","count"],"to":1}]}');
+    expect(fake.said[3]).toBe(
+      'graph.edit g {"edits":[{"set":["Datasets","a","count"],"to":1}],"once":["me",2]}',
+    );
   });
 
   it('undoes and redoes in the order of the keys, each when the server has ordered what was before it', async () => {
     const { fake, session } = await begun();
     const ordered = async (revision: number, to: number): Promise<void> => {
       const edits = setCount(to);
-      expect(fake.said.at(-1)).toBe(`graph.edit g ${JSON.stringify({ edits })}`);
+      expect(fake.said.at(-1)).toBe(`graph.edit g ${JSON.stringify({ edits, once: ['me', revision - 3] })}`);
       fake.tell('graph', { revision, by: { session: 7, client: 'me' }, edits });
       await fake.answer({ revision, warnings: [] });
     };
@@ -172,24 +176,29 @@ describe('a session', () => {
     expect(fake.said.slice(2)).toEqual([
       'graph.watch g',
       'graph.get g',
-      'graph.edit g {"edits":[{"set":["Datasets","a","count"],"to":8}]}',
+      'graph.edit g {"edits":[{"set":["Datasets","a","count"],"to":8}],"once":["me",1]}',
     ]);
     expect(session.snapshot.document['version']).toBe(1);
     expect(count(session)).toBe(8);
   });
 
-  it('does not send again what the server had ordered before the connection was lost', async () => {
+  it('sends again what it has no reply to, by the same number, before it reads the document', async () => {
     const { fake, session } = await begun();
     session.edit(setCount(8));
     fake.set({ kind: 'lost', reason: '', retryAt: 0 });
     await fake.answer(new Error('the connection is lost'));
+    session.edit(setCount(9));
     fake.set({ kind: 'open', welcome });
     await fake.answer({ revision: 4 });
+    await fake.answer({ revision: 4, repeated: true, warnings: [] });
     const ordered = { Datasets: [{ name: 'a', filter: 'Seeds', count: 8 }] };
     await fake.answer({ document: ordered, revision: 4, paused: false, nodes: [] });
-    expect(fake.said.slice(3)).toEqual(['graph.watch g', 'graph.get g']);
-    expect(session.snapshot.waiting).toBe(0);
-    expect(count(session)).toBe(8);
+    const sent = (to: number, number: number): string =>
+      `graph.edit g ${JSON.stringify({ edits: setCount(to), once: ['me', number] })}`;
+    expect(fake.said.slice(2)).toEqual([sent(8, 1), 'graph.watch g', sent(8, 1), 'graph.get g', sent(9, 2)]);
+    expect(session.snapshot.waiting).toBe(1);
+    expect(session.snapshot.canUndo).toBe(true);
+    expect(count(session)).toBe(9);
   });
 
   it('edits nothing in a session that may only look', async () => {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A document that several clients edit. The server orders all edits; this client's own are shown at once, on top of what the server has
 // ordered so far, and again on top of what it orders before them.
-import { difference, wasOrdered } from './difference';
-import { type Edit, type Edited, applied } from './edits';
+import { difference } from './difference';
+import { type Edit, EditError, type Edited, applied } from './edits';
 import { type Json, type JsonObject, equal } from './json';
 import { UndoStacks, clamped, named } from './undo';
 
@@ -23,8 +23,14 @@ export interface OrderedEdit {
   readonly isOwn: boolean;
 }
 
+/** An own edit with its number. An edit that is sent again has the number of before, by which the server knows it. */
+export interface NumberedEdit extends OwnEdit {
+  readonly number: number;
+}
+
 interface Pending {
   readonly own: OwnEdit;
+  number?: number; // once it was sent
   revision?: number; // once the server has said it
 }
 
@@ -34,7 +40,7 @@ export class SharedDocument {
   private baseRevision = 0;
   private pending: Pending[] = []; // own edits that `base` does not have, oldest first
   private sent: Pending | undefined; // the one that the server has not replied to
-  private unsure: Pending | undefined; // sent before the connection was lost: the server may have ordered it
+  private lastNumber = 0;
   private shownDocument: JsonObject = {};
 
   /** The document as the user sees it: the server's, with one's own edits that it has not ordered yet. */
@@ -53,33 +59,21 @@ export class SharedDocument {
     return this.pending.length;
   }
 
-  /**
-   * Begins with the server's document, or goes on with a newer one after events were lost. Own edits that it lacks stay on top. Returns
-   * the edits that it seems to have, among others that are unknown: they are not sent again, since that could carry them out twice.
-   */
-  reset(document: JsonObject, revision: number): readonly Edit[] | undefined {
-    const { unsure } = this;
-    const missed = revision - this.baseRevision;
-    this.unsure = undefined;
-    const known =
-      unsure && wasOrdered(this.base, document, missed, unsure.own.edits)
-        ? this.takeOrdered(unsure)
-        : this.base;
+  /** Begins with the server's document, or goes on with a newer one after events were lost. Own edits that it lacks stay on top. */
+  reset(document: JsonObject, revision: number): void {
+    const isOrdered = (p: Pending): boolean => p.revision !== undefined && p.revision <= revision;
+    const known = this.pending.filter(isOrdered).reduce((d, p) => this.takeOrdered(p, d), this.base);
     this.history.others(difference(known, document), known);
     this.base = document;
     this.baseRevision = revision;
-    this.pending = this.pending.filter((p) => p.revision === undefined || p.revision > revision);
     this.show();
-    const isGuess = unsure && missed !== 1 && !this.pending.includes(unsure);
-    return isGuess ? unsure.own.edits : undefined;
   }
 
   /** Adds an own edit. Throws EditError, and adds nothing, if it cannot be applied to what is shown. */
   add(own: OwnEdit): void {
     const entry: Pending = { own: { ...own, edits: named(this.shownDocument, own.edits) } };
     const last = this.pending[this.pending.length - 1];
-    const replaces =
-      last && last !== this.sent && last.revision === undefined && isReplacedBy(last.own, entry.own);
+    const replaces = last && last.number === undefined && isReplacedBy(last.own, entry.own);
     const shown = applied(this.shownDocument, entry.own.edits).document;
     if (replaces) this.pending.pop();
     this.pending.push(entry);
@@ -87,10 +81,17 @@ export class SharedDocument {
   }
 
   /** The next edit to be sent, which then counts as sent; undefined if there is none, or while one is on its way. */
-  next(): OwnEdit | undefined {
+  next(): NumberedEdit | undefined {
     if (this.sent) return undefined;
     this.sent = this.pending.find((p) => p.revision === undefined);
-    return this.sent?.own;
+    if (!this.sent) return undefined;
+    this.sent.number ??= ++this.lastNumber;
+    return { ...this.sent.own, number: this.sent.number };
+  }
+
+  /** Whether the next edit was sent before the connection was lost, so that the server may have ordered it. */
+  get isUnsure(): boolean {
+    return this.pending.find((p) => p.revision === undefined)?.number !== undefined;
   }
 
   /** The server has replied to the edit that was sent. Its event may have come already, or comes later. */
@@ -105,7 +106,6 @@ export class SharedDocument {
   /** The server has refused the edit that was sent, or the connection was lost: then it is to be sent `again`. */
   refused(again = false): void {
     const { sent } = this;
-    if (sent && again) this.unsure = sent;
     if (sent && !again) {
       this.drop(sent);
       if (isStep(sent.own)) this.history.release();
@@ -138,11 +138,19 @@ export class SharedDocument {
     else this.history.push(edited.inverse, edited.document, kind, own.gesture);
   }
 
-  /** The server has ordered an edit whose reply was lost. Returns what is known of the document then. */
-  private takeOrdered(entry: Pending): JsonObject {
-    const edited = applied(this.base, entry.own.edits);
-    this.remember(entry, entry.own.edits, this.base, edited);
-    return edited.document;
+  /** The server has ordered an own edit, and its event was lost. Returns what is known of the document then, of which `before` was known. */
+  private takeOrdered(entry: Pending, before: JsonObject): JsonObject {
+    const { edits } = entry.own;
+    try {
+      const edited = applied(before, edits);
+      this.remember(entry, edits, before, edited);
+      return edited.document;
+    } catch (error) {
+      if (!(error instanceof EditError)) throw error;
+      this.drop(entry); // It needed what others had done before it, so it is not known what would undo it.
+      if (isStep(entry.own)) this.history.end();
+      return before;
+    }
   }
 
   /**
