@@ -70,6 +70,23 @@ class Sessions(OnRanks):
         with self.assertRaisesRegex(gxy.GalaxyError, "heat.T: field 'T': dtype"):
             self.session.put("heat.T", np.zeros((2, 2, 2), complex))
 
+    def test_the_server_counts_the_values_of_a_histogram(self):
+        values = np.arange(60.0).reshape(3, 4, 5)
+        data = self.session.put("heat.T", values)
+        for options, expected in (({}, np.histogram(values, 256)), ({"bins": 4}, np.histogram(values, 4))):
+            counts, edges = data.histogram(**options)
+            self.assertEqual((counts.dtype, edges.dtype), (np.int64, np.float64))
+            np.testing.assert_array_equal(counts, expected[0])
+            np.testing.assert_allclose(edges, expected[1])
+        vectors = np.stack([values, 3 * values, 4 * values], axis=-1)
+        flow = self.session.put("flow.u", vectors)
+        for component, expected in ((1, vectors[..., 1]), (None, np.linalg.norm(vectors, axis=-1))):
+            counts, edges = flow.histogram_async(7, component).result(60)
+            np.testing.assert_allclose((edges[0], edges[-1]), (expected.min(), expected.max()), rtol=1e-6)
+            np.testing.assert_array_equal(counts, np.histogram(expected, 7)[0])
+        with self.assertRaisesRegex(gxy.GalaxyError, "1 to 4096"):
+            data.histogram(0)
+
     def test_arrays_that_cannot_be_given_say_why(self):
         code = ("import gxy, numpy, sys\n"
                 "with gxy.connect(sys.argv[1], sys.argv[2]) as session:\n"

@@ -65,6 +65,19 @@ class Data:
             raise GalaxyError(f'dataset "{self.name}": no field {field!r}, expected one of {sorted(fields)}')
         return fields[field]
 
+    def histogram(self, bins: int = 256, component: Optional[int] = None, timeout: Optional[float] = None) -> tuple[np.ndarray, np.ndarray]:
+        """How many values are in each bin, int64 (bins,), and the edges of the bins, float64 (bins + 1,), as numpy.histogram() returns
+        them. The server counts; no values are sent. Without values there are no bins and no edges.
+
+        bins: 1 to 4096, of equal width between the least and the largest value.
+        component: of vectors, from 0; without, their magnitudes are counted.
+        """
+        words = [bins] if component is None else [bins, component]
+        reply = self.session.ask("data.histogram", self.name, *words, timeout=timeout, limited=False)
+        if reply["range"] is None:
+            return np.zeros(0, np.int64), np.zeros(0)
+        return np.array(reply["counts"], np.int64), np.linspace(*reply["range"], len(reply["counts"]) + 1)
+
     def wait(self, generation: Optional[int] = None, timeout: Optional[float] = None) -> Data:
         """Waits until it is there and has at least this generation (default: any). Raises Timeout."""
         self.session.ask("data.wait", self.name, 1 if generation is None else generation, FOREVER,
@@ -105,6 +118,7 @@ class Data:
 
     fetch_async = twin(fetch)
     values_async = twin(values)
+    histogram_async = twin(histogram)
     wait_async = twin(wait)
     export_async = twin(export)
 
