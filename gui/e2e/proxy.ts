@@ -5,6 +5,7 @@ import { type AddressInfo, connect, createServer, type Server as Listener, type 
 export class Proxy {
   private state: 'open' | 'cut' | 'silent' = 'open';
   private readonly sockets = new Set<Socket>();
+  private readonly servers = new Set<Socket>(); // those of them that lead to the server
 
   private constructor(
     private readonly listener: Listener,
@@ -40,6 +41,11 @@ export class Proxy {
     for (const socket of this.sockets) socket.pause();
   }
 
+  /** What clients send arrives, and no answer comes back. */
+  loseAnswers(): void {
+    for (const socket of this.servers) socket.pause();
+  }
+
   restore(): void {
     this.state = 'open';
     for (const socket of this.sockets) socket.resume();
@@ -56,6 +62,8 @@ export class Proxy {
       return;
     }
     const server = connect(this.port, '127.0.0.1');
+    this.servers.add(server);
+    server.on('close', () => this.servers.delete(server));
     for (const [from, to] of [
       [client, server],
       [server, client],

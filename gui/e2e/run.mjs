@@ -4,7 +4,8 @@
 //     node e2e/run.mjs FILES PROGRAMS GUI PICTURES MPIEXEC...
 //
 // FILES: those tests whose file names contain one of these words, which commas separate. PROGRAMS: the folder of gxyserver, gxyrender, gxydata and msdata. GUI: the built page. PICTURES: where pictures of the page are
-// left. MPIEXEC: the command that starts ranks, in words. Exit status 77: there is no /usr/bin/chromium, so nothing was tested.
+// left. MPIEXEC: the command that starts ranks, in words. The environment may have GALAXY_SEED, the seed of what is chosen by chance
+// (default 1), GALAXY_EDITS, how many edits each client of together.test.ts makes (default 60), and GALAXY_PYTHON, a Python with NumPy. Exit status 77: there is no /usr/bin/chromium, so nothing was tested.
 import { existsSync, mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { startVitest } from 'vitest/node';
@@ -20,6 +21,11 @@ const config = fileURLToPath(new URL('vitest.config.ts', import.meta.url));
 const vitest = await startVitest('test', files.split(','), {
   config,
   watch: false,
-  provide: { programs, gui, pictures, mpiexec },
+  provide: {
+    ...{ programs, gui, pictures, mpiexec },
+    seed: Number(process.env['GALAXY_SEED'] ?? 1),
+    python: process.env['GALAXY_PYTHON'] ?? '/usr/bin/python3',
+    edits: Number(process.env['GALAXY_EDITS'] ?? 60),
+  },
 });
 await vitest.close();

@@ -21,6 +21,9 @@ declare module 'vitest' {
     gui: string;
     pictures: string;
     mpiexec: string[];
+    seed: number;
+    edits: number;
+    python: string;
   }
 }
 
@@ -37,15 +40,22 @@ const BALL = {
 };
 const STARTS_WITHIN = 60_000;
 
+/** An option by which a server finds the modules that only tests have: `trial`, with the filter Trial (tests/multiserver). */
+export const trialModules = (): string[] => ['--modules', join(inject('programs'), '../lib/galaxy_tests')];
+
 export class Server {
   readonly folder = mkdtempSync(join(tmpdir(), 'galaxy-page-'));
   private process: ChildProcess | null = null;
   private port = 0;
 
-  private constructor(private readonly ranks: number) {}
+  private constructor(
+    private readonly ranks: number,
+    private readonly options: readonly string[],
+  ) {}
 
-  static async start(ranks: number): Promise<Server> {
-    const server = new Server(ranks);
+  /** `options`: more of gxyserver. */
+  static async start(ranks: number, ...options: string[]): Promise<Server> {
+    const server = new Server(ranks, options);
     server.make('gxydata', 'radial', '-r', '32', 'radial.vti');
     server.make('gxydata', 'helix', '-r', '3', 'helix.vtp');
     copyFileSync(join(examples, 'demo.json'), join(server.folder, 'demo.json'));
@@ -63,7 +73,10 @@ export class Server {
     const options = ['--port', String(this.port), '--port-file', portFile, '--token-file', this.token];
     this.process = spawn(
       program,
-      [...words, '-n', String(this.ranks), this.program('gxyserver'), ...options, '--gui', inject('gui')],
+      [
+        ...[...words, '-n', String(this.ranks), this.program('gxyserver'), ...options],
+        ...['--gui', inject('gui'), ...this.options],
+      ],
       {
         cwd: this.folder,
         detached: true, // in a group of its own, which kill() ends

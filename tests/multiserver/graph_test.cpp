@@ -182,7 +182,7 @@ TEST(Graph, AnEditAndItsInverseGiveTheDocumentBack) {
 TEST(Graph, AnEditThatIsSentTwiceCountsOnce) {
   const auto server = serveGraphs(1);
   GraphClient ann(*server), bob(*server);
-  ann.say(newGraph({}));
+  ann.say(newGraph(json::array()));
   const auto send = [](GraphClient& client, const std::string& who, int number, const char* to) {
     return client.say("graph.edit g " + json{{"edits", {{{"add", json::array({"notes"})}, {"to", to}}}},
                                              {"once", {who, number}}}
