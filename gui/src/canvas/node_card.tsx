@@ -87,7 +87,7 @@ function Footer({ node, state, problems }: CardData) {
   const own = problems.find((p) => p.text !== '');
   const error = own?.text ?? (state?.kind === 'failed' ? state.text : '');
   const isQuiet = state?.kind === 'done';
-  const isEmpty = isQuiet && node.gives !== undefined && state.bytes === 0;
+  const isEmpty = isQuiet && node.role === 'filter' && node.gives !== undefined && state.bytes === 0;
   const step = useStepOf(node.name, node.role === 'live' ? state?.generation : undefined);
   return (
     <>
@@ -110,7 +110,9 @@ function Footer({ node, state, problems }: CardData) {
           {state?.rank !== undefined && own === undefined && ` (rank ${state.rank})`}
         </p>
       )}
-      {isEmpty && <p className="node-text">Nothing came out: what it makes is empty.</p>}
+      {error === '' && isEmpty && (
+        <p className="node-text">Empty: with these values nothing is found in its input.</p>
+      )}
       {error === '' && !isQuiet && state && state.text !== '' && (
         <p className="node-text">
           <Foreign text={state.text} />
