@@ -7,7 +7,9 @@ import { useSnapshot } from '../canvas/graph_store';
 export function LogPanel() {
   const log = useSnapshot()?.log ?? [];
   const end = useRef<HTMLLIElement>(null);
-  useEffect(() => end.current?.scrollIntoView({ block: 'nearest' }), [log.length]);
+  useEffect(() => {
+    end.current?.scrollIntoView({ block: 'nearest' }); // Some browsers return a promise, which no effect may do.
+  }, [log.length]);
   if (log.length === 0) return <p className="empty">Nothing has happened yet.</p>;
   return (
     <ol className="log" aria-label="Log of the graph">
