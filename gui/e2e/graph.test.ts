@@ -177,19 +177,27 @@ describe('a user', () => {
       { name: 'simsim.eightBalls', type: 'Volume' },
       {
         name: 'derive',
+        type: 'Volume',
         filter: 'Derive',
         inputs: { eightBalls: 'simsim.eightBalls' },
         expression: 'grad(eightBalls)',
       },
       {
         name: 'isosurfaceSampler',
+        type: 'Particles',
         filter: 'IsosurfaceSampler',
         inputs: { field: 'simsim.eightBalls' },
         isovalue: 0.3,
         count: 150,
       },
       {
-        ...{ name: 'streamTracer', filter: 'StreamTracer', direction: 'both', length: 0.6 },
+        ...{
+          name: 'streamTracer',
+          type: 'PathLines',
+          filter: 'StreamTracer',
+          direction: 'both',
+          length: 0.6,
+        },
         inputs: { vectors: 'derive', seeds: 'isosurfaceSampler' },
       },
     ]);

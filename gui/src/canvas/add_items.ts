@@ -110,7 +110,13 @@ export function addItems(catalogue: Catalogue, live: readonly LiveDataset[]): re
       label: filter.name,
       help: plainText(filter.help),
       section: 'Datasets',
-      entry: { name: nameFor(filter.name), filter: filter.name, inputs: {} },
+      // gxyviewer knows no filters: their data have the type that is written here.
+      entry: {
+        name: nameFor(filter.name),
+        ...(filter.makes ? { type: filter.makes } : {}),
+        filter: filter.name,
+        inputs: {},
+      },
       takes: [...new Set(filter.inputs.flatMap((i) => i.takes))],
       gives: filter.makes,
       givesAny: filter.makesLike !== '',

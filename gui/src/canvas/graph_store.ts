@@ -98,9 +98,10 @@ export function closeGraph(): void {
 export async function newGraph(name: string, document: WireObject = {}): Promise<void> {
   const { connection } = getState();
   if (!connection) return;
-  await connection.request(statement('graph.new', [name], document));
+  const { warnings } = await connection.request(statement('graph.new', [name], document));
   await refreshGraphs();
   openGraph(name);
+  for (const warning of (warnings ?? []) as string[]) getState().session?.note(warning);
 }
 
 /** The document of a graph: of the one that is open with the edits that are not sent yet. Throws the server's Error. */
