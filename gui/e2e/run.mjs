@@ -5,7 +5,8 @@
 //
 // FILES: those tests whose file names contain one of these words, which commas separate. PROGRAMS: the folder of gxyserver, gxyrender, gxydata and msdata. GUI: the built page. PICTURES: where pictures of the page are
 // left. MPIEXEC: the command that starts ranks, in words. The environment may have GALAXY_SEED, the seed of what is chosen by chance
-// (default 1), GALAXY_EDITS, how many edits each client of together.test.ts makes (default 60), and GALAXY_PYTHON, a Python with NumPy. Exit status 77: there is no /usr/bin/chromium, so nothing was tested.
+// (default 1), GALAXY_EDITS, how many edits each client of together.test.ts makes (default 60), GALAXY_PYTHON, a Python with NumPy,
+// and GALAXY_SOAK, the minutes of soak.test.ts, which is left out without it. Exit status 77: there is no /usr/bin/chromium, so nothing was tested.
 import { existsSync, mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { startVitest } from 'vitest/node';
@@ -25,6 +26,7 @@ const vitest = await startVitest('test', files.split(','), {
     ...{ programs, gui, pictures, mpiexec },
     seed: Number(process.env['GALAXY_SEED'] ?? 1),
     python: process.env['GALAXY_PYTHON'] ?? '/usr/bin/python3',
+    soak: Number(process.env['GALAXY_SOAK'] ?? 0),
     edits: Number(process.env['GALAXY_EDITS'] ?? 60),
   },
 });

@@ -24,6 +24,7 @@ declare module 'vitest' {
     seed: number;
     edits: number;
     python: string;
+    soak: number;
   }
 }
 
