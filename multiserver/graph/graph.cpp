@@ -256,6 +256,7 @@ uint64_t Graph::show(const std::string& view, std::function<void()> changed) {
   const uint64_t window = nextWindow_++;
   windows_[view][window].changed = std::move(changed);
   viewOf_[window] = view;
+  left_.erase(view);
   flow_.show(view);
   act();
   wantNews();
@@ -292,9 +293,29 @@ void Graph::hide(uint64_t window) {
   if (isShown)
     flow_.show(view, isFollowed(view));
   else
-    flow_.hide(view);
+    leave(view);
   act();
   wantNews();
+}
+
+// Whoever loads a page anew, or comes back after a break of the connection, finds what was begun.
+void Graph::leave(const std::string& view) {
+  flow_.show(view, false);
+  left_[view] = Clock::now() + services_.serverRank.options.leftViewsFor;
+  services_.wake();
+}
+
+// Hides the views whose time is over; all, if nothing runs any more.
+void Graph::forgetLeft() {
+  const auto now = Clock::now();
+  for (auto it = left_.begin(); it != left_.end();) {
+    if (flow_.isBusy() && now < it->second) {
+      ++it;
+      continue;
+    }
+    flow_.hide(it->first);
+    it = left_.erase(it);
+  }
 }
 
 // Windows on a view go with it where it is renamed.

@@ -87,6 +87,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   uint64_t show(const std::string& view, std::function<void()> changed);
   /// Whether the window wants newer data, as it does at first. A view takes newer data while one of its windows wants them.
   void setFollow(uint64_t window, bool follow);
+  /// The window has gone. If it was the view's last, what runs now goes on nevertheless, for ServerRankOptions::leftViewsFor at most.
   void hide(uint64_t window);
   /// What a window shows, or one on a view would. A window goes with its view where that is renamed.
   ViewContent content(uint64_t window) const;
@@ -195,6 +196,8 @@ class Graph : public std::enable_shared_from_this<Graph> {
   ViewContent contentOf(const std::string& view) const;
   void follow(const std::pair<std::string, std::string>& renamedView);
   bool isFollowed(const std::string& view) const;
+  void leave(const std::string& view);
+  void forgetLeft();
   void viewsChanged();
   void release();
 
@@ -290,6 +293,7 @@ class Graph : public std::enable_shared_from_this<Graph> {
   };
   std::map<std::string, std::map<uint64_t, ViewWindow>> windows_;  ///< by view
   std::map<uint64_t, std::string> viewOf_;                         ///< by window
+  std::map<std::string, Clock::time_point> left_;  ///< views without a window, and until when what runs for them goes on
   std::map<std::string, Shown> shown_;                             ///< by view
   std::map<std::string, Series> series_;                           ///< by node
   std::map<std::string, Writing> writing_;                         ///< outputs that are being made

@@ -23,13 +23,16 @@ Graph::Failure Graph::failureOf(const std::string& text) {
 // Functions here are called with the lock held, but for adopt(), fetch(), evaluate(), giveUpOldest() and dropUnused(), which wait.
 
 void Graph::act() {
-  for (std::vector<flow::Action> actions = flow_.take(); !actions.empty(); actions = flow_.take())
+  forgetLeft();
+  for (std::vector<flow::Action> actions = flow_.take(); !actions.empty(); actions = flow_.take()) {
     for (const flow::Action& action : actions) try {
         std::visit([this](const auto& a) { carryOut(a); }, action);
       } catch (const std::exception& e) {
         // The Flow waits for no answer that will not come, and those that follow are carried out all the same.
         couldNot(action, textOf(e));
       }
+    forgetLeft();
+  }
   changed_.notify_all();
 }
 

@@ -155,9 +155,10 @@ bool Graph::tick() {
   bool again = false;
   if (!wanted_.empty()) {
     flow_.tick();
-    act();
     again = true;
   }
+  act();
+  again = again || !left_.empty();
   std::vector<NodeId> due;
   for (const auto& [node, told] : told_)
     if (told.isDue) due.push_back(node);

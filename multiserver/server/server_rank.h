@@ -57,6 +57,8 @@ struct ServerRankOptions {
   /// A publisher that waits for this long for the room of a generation that a graph reads or shows gets it: the data become the
   /// graph's own.
   std::chrono::milliseconds adoptAfter{1000};
+  /// What a graph evaluates for a view goes on for so long after the view's last window has gone.
+  std::chrono::milliseconds leftViewsFor{60'000};
   std::string insituBind = "127.0.0.1";  ///< the address on which each rank takes data of simulations
   Trace* trace = nullptr;  ///< gets requests, works and rendering, unless null; outlives the server rank
 };

@@ -42,6 +42,42 @@ TEST(GraphRuns, ACancelledEvaluationEndsOnAllRanksAndIsNotTriedAgain) {
   EXPECT_EQ(c.state("next"), "done");
 }
 
+TEST(GraphRuns, WhatRunsForAViewWithoutAWindowGoesOnAndIsFoundAgain) {
+  const auto server = serveGraphs(2);
+  GraphClient c(*server);
+  c.say(importBall("ball"));
+  c.say(newGraph({liveVolume("ball"), copyOf("copy", "ball")}, json::array({viewOf("v", {"copy"})})));
+  Held::gate().shut = true;
+  {
+    GraphClient other(*server);
+    other.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
+    untilBegun(2);
+  }
+  until([&] { return server->server().clients() == 1; }, "the other one has gone");
+  c.untilState("copy", "running");
+  Held::gate().shut = false;
+  c.say("graph.wait g");
+  EXPECT_EQ(c.node("v", "view").at("text"), "no window shows it");
+  c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
+  c.untilState("v", "done", "view");
+  EXPECT_EQ(Held::gate().begun, 2);
+}
+
+TEST(GraphRuns, WhatRunsForAViewWithoutAWindowEndsAfterAWhile) {
+  ServerRankOptions options;
+  options.leftViewsFor = std::chrono::milliseconds(20);
+  const auto server = serveGraphs(2, options);
+  GraphClient c(*server);
+  c.say(importBall("ball"));
+  c.say(newGraph({liveVolume("ball"), copyOf("copy", "ball")}, json::array({viewOf("v", {"copy"})})));
+  Held::gate().shut = true;
+  c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
+  untilBegun(2);
+  c.say("close 1");
+  until([] { return Held::gate().ended == 2; }, "it ends while the gate is shut");
+  Held::gate().shut = false;
+}
+
 TEST(GraphRuns, AnEditSupersedesWhatRunsForAnOlderKey) {
   const auto server = serveGraphs(2);
   GraphClient c(*server);
