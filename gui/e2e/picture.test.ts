@@ -84,6 +84,8 @@ describe.each([1, 3])('on %i ranks', (ranks) => {
     const { box, width, height } = await canvasOf(page);
     const before = await savedPicture(page);
     const line = page.locator('.view-line');
+    await page.getByRole('application').focus();
+    await page.keyboard.press('g'); // A handle under the mouse would be dragged.
     await page.mouse.move(box.x + 100, box.y + 100);
     await page.mouse.down();
     const seen = new Set<string>();
