@@ -127,6 +127,7 @@ function NumberField(props: FieldProps) {
 function ColorField({ id, name, value, defaultText, describedBy, onValue }: FieldProps) {
   const color = value ?? defaultValue(defaultText);
   const gesture = useRef('');
+  const isChanged = useRef(false); // since it has the focus
   const alpha = isList(color) ? color[3] : undefined;
   return (
     <span className="number-field">
@@ -138,10 +139,15 @@ function ColorField({ id, name, value, defaultText, describedBy, onValue }: Fiel
         value={hexOf(color)}
         onFocus={() => {
           gesture.current = `color ${++gestures}`;
+          isChanged.current = false;
         }}
-        onChange={(event) => onValue(colorOf(event.target.value, color), gesture.current, true)}
+        onChange={(event) => {
+          isChanged.current = true;
+          onValue(colorOf(event.target.value, color), gesture.current, true);
+        }}
         onBlur={() => {
-          if (value !== undefined) onValue(value, gesture.current);
+          if (isChanged.current && value !== undefined) onValue(value, gesture.current);
+          isChanged.current = false;
         }}
       />
       {typeof alpha === 'number' && <span className="weak">alpha {alpha}</span>}
