@@ -14,12 +14,20 @@ import { NodeForm, useSelectedNode } from './properties';
 const TABS = ['Live data', 'Properties', 'Maps', 'Data', 'Log', 'Steps', 'Statistics'] as const;
 type Tab = (typeof TABS)[number];
 
+/** The tab in front once another node is selected. `isChosenSince`: the user has chosen the tab since the selection before. */
+export function tabAfterSelection(tab: Tab, isChosenSince: boolean): Tab {
+  if (tab === 'Live data') return 'Properties';
+  return (tab === 'Steps' || tab === 'Log') && !isChosenSince ? 'Properties' : tab;
+}
+
 export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
   const [tab, setTab] = useState<Tab>('Live data');
   const node = useSelectedNode();
   const count = useGraphStore((s) => s.selection.length);
   const id = node?.id;
   const [followed, setFollowed] = useState<string>();
+  const [hasSelected, setHasSelected] = useState(false); // a node, at any time
+  const [isChosenSince, setChosenSince] = useState(false);
   const panel = useRef<HTMLDivElement>(null);
   // What another node or tab has begins at its top.
   useLayoutEffect(() => {
@@ -27,14 +35,22 @@ export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
   }, [tab, id]);
   if (id !== followed) {
     setFollowed(id);
-    if (id !== undefined && tab === 'Live data') setTab('Properties');
+    if (id !== undefined) {
+      setTab(tabAfterSelection(tab, isChosenSince));
+      setHasSelected(true);
+      setChosenSince(false);
+    }
+  }
+  function choose(name: Tab): void {
+    setTab(name);
+    setChosenSince(hasSelected);
   }
 
   function key(event: KeyboardEvent): void {
     const by = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
     const next = TABS[(TABS.indexOf(tab) + by + TABS.length) % TABS.length];
     if (by === 0 || !next) return;
-    setTab(next);
+    choose(next);
     document.getElementById(`tab ${next}`)?.focus();
   }
   const none = <p className="empty">{count > 1 ? `${count} nodes are selected.` : 'No node is selected.'}</p>;
@@ -51,7 +67,7 @@ export function PanelArea({ liveData }: { readonly liveData: ReactNode }) {
               aria-selected={name === tab}
               aria-controls="panel"
               tabIndex={name === tab ? 0 : -1}
-              onClick={() => setTab(name)}
+              onClick={() => choose(name)}
               onKeyDown={key}
             >
               {name}
