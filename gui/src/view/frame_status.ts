@@ -51,6 +51,16 @@ interface OfWindow {
 /** Whether a frame has failed since newer data have taken the place of its own. */
 const isPushedOut = (error: string): boolean => error.includes('needs the room of generation');
 
+const NO_GRAPH = /\bgraph ("(?:[^"\\]|\\.)*"): there is none\b/;
+
+/** What the server refuses, and what to do on the page, where the server's words are of its verbs. */
+export function refusalText(error: string): string {
+  const graph = NO_GRAPH.exec(error)?.[1];
+  return graph === undefined
+    ? error
+    : `the server has no graph ${graph}. Press "Make it again" above the graph, and it is as this page knows it.`;
+}
+
 /** For people; an error begins with "error: ". */
 export function statusText(frame: Frame, { isReady, isHeld, passes, progress, error }: OfWindow): string {
   const why = error || (frame.ended && frame.status === 'failed' ? frame.error : '');
@@ -59,7 +69,7 @@ export function statusText(frame: Frame, { isReady, isHeld, passes, progress, er
   // Newer data have taken the place of these. They are shown next, if the picture is not held.
   const isOver = isHeld || isPushedOut(frame.error);
   if (isOver && frame.shown && frame.scale === 1 && frame.status === 'failed') return `lossless, ${shown}`;
-  if (why) return `error: ${why}`;
+  if (why) return `error: ${refusalText(why)}`;
   if (!isReady) return 'loading data ...';
   if (frame.number === 0) return 'waiting for the first picture ...';
   if (!frame.lossless) {
