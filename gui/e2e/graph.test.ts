@@ -399,8 +399,8 @@ describe('a user', () => {
     await expect.poll(() => page.locator('.graph-bar select').inputValue()).toBe('again');
     await state(page, 'Datasets/later', 'blocked');
     expect(await savedGraph(page)).toEqual(once);
-    await page.getByRole('button', { name: 'Drop', exact: true }).click();
-    await page.getByRole('button', { name: 'Drop again?' }).click();
+    await page.getByRole('button', { name: 'Delete graph', exact: true }).click();
+    await page.getByRole('button', { name: 'Delete again?' }).click();
     await page.getByText('No graph is open').waitFor();
     await finish(page);
     dropAll(server);

@@ -146,7 +146,7 @@ it('who may only look sees the graph and its picture, and nothing that edits is 
   expect((await savedPicture(page)).rgba.equals((await savedPicture(owner)).rgba)).toBe(true);
 
   const bar = page.getByRole('toolbar', { name: 'Graph', exact: true });
-  for (const name of ['New', 'Open', 'Drop', 'Undo', 'Redo', 'Pause', 'Run']) {
+  for (const name of ['New', 'Open', 'Delete graph', 'Undo', 'Redo', 'Pause', 'Run']) {
     const button = bar.getByRole('button', { name, exact: true });
     expect([name, await button.isDisabled()]).toEqual([name, true]);
     expect(await button.getAttribute('title')).toContain('view-only');

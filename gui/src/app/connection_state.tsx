@@ -139,7 +139,7 @@ export function ConnectionStatus() {
             <Foreign text={state.welcome.server} />
           </span>
           <span>{state.welcome.ranks === 1 ? '1 rank' : `${state.welcome.ranks} ranks`}</span>
-          <span>
+          <span title="A tenant is a user or a project of the server. It has data and graphs of its own, which other tenants do not see, and its share of the memory.">
             tenant <Foreign text={state.welcome.tenant} />
           </span>
           {state.welcome.viewOnly && <span>view only</span>}

@@ -173,15 +173,15 @@ export function GraphBar() {
                 attempt(dropGraph(session.name));
               }}
             >
-              Drop {session.name}?
+              Delete {session.name}?
             </button>
           ) : (
             <button
               type="button"
-              {...editing(isViewOnly, 'Have the server forget the graph')}
+              {...editing(isViewOnly, 'Have the server forget the graph; its data stay')}
               onClick={() => setDropping(true)}
             >
-              Drop
+              Delete graph
             </button>
           )}
           <RunButtons />

@@ -5,7 +5,7 @@ import { memo } from 'react';
 import { plainText } from '../graph/catalogue';
 import type { Problem } from '../graph/session';
 import type { GraphNode, NodeInput } from '../graph/nodes';
-import { type NodeState, factsText } from '../graph/states';
+import { type NodeState, type StateKind, factsText } from '../graph/states';
 import { useGraphStore, useSnapshot } from './graph_store';
 import { Foreign } from '../app/foreign';
 import { editing } from '../app/view_only';
@@ -82,6 +82,19 @@ function Progress({ node, state }: { node: GraphNode; state: NodeState }) {
     </div>
   );
 }
+const STATE_HELP: Readonly<Record<StateKind, string>> = {
+  incomplete: 'Something that it needs is missing: an input, a property, or data of that name.',
+  blocked: 'A node that it is made of cannot be made.',
+  waiting: 'It is not made yet: it waits for data, for other nodes, or for a view that shows it.',
+  queued: 'All that it needs is there. It is made next.',
+  running: 'It is being made.',
+  done: 'It is made, of the newest properties and data.',
+  stale: 'What is there is older than the properties or the data of now.',
+  failed: 'It could not be made. It is tried again once something that it is made of changes, or by Run.',
+};
+const NOT_NEEDED = 'nothing needs it'; // as the server says it
+const NOT_NEEDED_HELP =
+  'Nothing that is shown or saved is made of it, so the server does not make it. Connect it with a look in a view that is open.';
 
 function Footer({ node, state, problems }: CardData) {
   const own = problems.find((p) => p.text !== '');
@@ -93,7 +106,9 @@ function Footer({ node, state, problems }: CardData) {
     <>
       {state && (
         <div className={`node-state state-${state.kind}`}>
-          <span className="state-name">{state.kind}</span>
+          <span className="state-name" title={STATE_HELP[state.kind]}>
+            {state.kind}
+          </span>
           {state.kind === 'blocked' && state.by !== '' && state.by !== node.name && (
             <span>
               {' by '}
@@ -114,7 +129,7 @@ function Footer({ node, state, problems }: CardData) {
         <p className="node-text">Empty: with these values nothing is found in its input.</p>
       )}
       {error === '' && !isQuiet && state && state.text !== '' && (
-        <p className="node-text">
+        <p className="node-text" title={state.text === NOT_NEEDED ? NOT_NEEDED_HELP : undefined}>
           <Foreign text={state.text} />
         </p>
       )}

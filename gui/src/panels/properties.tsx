@@ -16,9 +16,12 @@ import { Field } from './fields';
 // What edges and the name's field say already, and what is not accepted.
 const NOT_IN_FORMS = ['name', 'inputs', 'filter', 'dataset', 'of', 'operators', 'key'];
 
-export function propertiesOf(node: GraphNode, catalogue: Catalogue): readonly Property[] {
+/** `isThere`: the server has the data of this name, of a live dataset. What would mean nothing for the node is left out. */
+export function propertiesOf(node: GraphNode, catalogue: Catalogue, isThere = false): readonly Property[] {
   const section = (name: string): readonly Property[] => catalogue.sections.get(name) ?? [];
-  const colors = (keys: readonly Property[]): readonly Property[] => keys.filter((p) => p.key === 'color');
+  const hasColor = node.gives !== 'Volume'; // which is that of geometry
+  const colors = (keys: readonly Property[]): readonly Property[] =>
+    hasColor ? keys.filter((p) => p.key === 'color') : [];
   const type = node.role === 'look' ? (lookType(node.entry) ?? '') : textOf(node.entry, 'type');
   const suits = (p: Property): boolean =>
     !NOT_IN_FORMS.includes(p.key) && (p.appliesTo.length === 0 || p.appliesTo.includes(type));
@@ -34,9 +37,11 @@ export function propertiesOf(node: GraphNode, catalogue: Catalogue): readonly Pr
       return section('visualization').filter(suits);
     case 'output':
       return section('output').filter(suits);
+    case 'file':
+      return section('dataset').filter((p) => suits(p) && (hasColor || p.key !== 'color'));
     default:
-      return section('dataset').filter(
-        (p) => suits(p) && (node.role === 'file' || ['type', 'color'].includes(p.key)),
+      return section('dataset').filter((p) =>
+        p.key === 'type' ? !isThere : p.key === 'color' && suits(p) && hasColor,
       );
   }
 }
@@ -160,7 +165,8 @@ export function NodeForm({ node }: { node: GraphNode }) {
   const catalogue = useGraphStore((s) => s.catalogue);
   const isViewOnly = useSnapshot()?.isViewOnly === true;
   const reason = useId();
-  const properties = propertiesOf(node, catalogue);
+  const isThere = useGraphStore((s) => s.live.some((d) => d.name === node.name && d.type === node.gives));
+  const properties = propertiesOf(node, catalogue, isThere);
   const usual = properties.filter((p) => !p.isAdvanced);
   const advanced = properties.filter((p) => p.isAdvanced);
   const isSet = (p: Property): boolean => member(node.entry, p.key) !== undefined;
