@@ -275,7 +275,20 @@ describe('a user', () => {
     await state(page, 'Datasets/lines', 'done');
     await page.locator('.react-flow__controls-fitview').click();
     // A link of another type, and one that would be a cycle.
-    await drag(page, port(page, 'Datasets/gradient', 'out'), port(page, 'Datasets/lines', 'in:seeds'));
+    // From the start of the drag, the ports that do not fit are told apart.
+    const from = await port(page, 'Datasets/gradient', 'out').boundingBox();
+    const to = await port(page, 'Datasets/lines', 'in:seeds').boundingBox();
+    if (!from || !to) throw new Error('the ports are not shown');
+    await page.mouse.move(from.x + from.width / 2, from.y + from.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(from.x + 12, from.y + 12, { steps: 3 });
+    const row = (kind: string, name: string) =>
+      card(page, 'Datasets/lines').locator(`.port-row.${kind} [data-port="in:${name}"]`);
+    await row('unfit', 'seeds').waitFor();
+    await row('fits', 'vectors').waitFor();
+    await page.mouse.move(to.x + to.width / 2, to.y + to.height / 2, { steps: 4 });
+    await page.mouse.up();
+    await row('unfit', 'seeds').waitFor({ state: 'detached' });
     await expect
       .poll(() => page.locator('.canvas-message').innerText())
       .toBe('gradient gives Volume, and seeds of lines takes Particles.');

@@ -9,6 +9,7 @@ import {
   type EdgeChange,
   type FinalConnectionState,
   type NodeChange,
+  type OnConnectStartParams,
   ReactFlow,
   ReactFlowProvider,
   applyEdgeChanges,
@@ -48,9 +49,10 @@ import { useNodeGraph, useSnapshot, useGraphStore } from './graph_store';
 import { onCanvasKey, portOf } from './keys';
 import { arranged, placesFor } from './layout';
 import { Menu, type MenuItem } from './menu';
-import { type CardData, type CardNode, INPUT, NodeCard, OUTPUT } from './node_card';
+import { beginDragging, endDragging } from './fitting_ports';
+import { type CardData, type CardNode, NodeCard } from './node_card';
 import { portItems } from './ports_menu';
-import { kindOf, titleOf } from './titles';
+import { INPUT, OUTPUT, kindOf, titleOf } from './titles';
 import { useStable } from './use_stable';
 
 const TYPES = { card: NodeCard };
@@ -290,8 +292,14 @@ function Canvas() {
     if (card.data.node.role === 'view') openView(card.data.node.name);
   });
   const onConnect = useStable((connection: FlowConnection) => join(connection));
-  const onConnectStart = useStable(() => say(''));
-  const onConnectEnd = useStable(endConnection);
+  const onConnectStart = useStable((_: unknown, { nodeId, handleId }: OnConnectStartParams) => {
+    say('');
+    beginDragging(graph, { node: nodeId ?? '', port: handleId ?? '' });
+  });
+  const onConnectEnd = useStable((...ended: Parameters<typeof endConnection>) => {
+    endDragging();
+    endConnection(...ended);
+  });
   const onReconnect = useStable((edge: Edge, connection: FlowConnection) =>
     join(
       connection,

@@ -6,7 +6,7 @@ import { VIEW_ONLY } from '../graph/session';
 import { savePython } from '../out/as_python';
 import { type AddPlace, bypassNode, copied, openView, pasted, removeSelected } from './actions';
 import { useGraphStore } from './graph_store';
-import { INPUT, OUTPUT } from './node_card';
+import { INPUT, OUTPUT } from './titles';
 
 export interface CanvasKeys {
   readonly selection: readonly string[];

@@ -10,7 +10,8 @@ import { useGraphStore, useSnapshot } from './graph_store';
 import { Foreign } from '../app/foreign';
 import { editing } from '../app/view_only';
 import { useStepOf } from '../steps/use_steps_shown';
-import { kindOf, titleOf } from './titles';
+import { useFitClass } from './fitting_ports';
+import { INPUT, OUTPUT, kindOf, titleOf } from './titles';
 
 export interface CardData extends Record<string, unknown> {
   readonly node: GraphNode;
@@ -18,9 +19,6 @@ export interface CardData extends Record<string, unknown> {
   readonly problems: readonly Problem[];
 }
 export type CardNode = Node<CardData, 'card'>;
-
-export const INPUT = 'in:';
-export const OUTPUT = 'out';
 
 function inputLabel(node: GraphNode, input: NodeInput): string {
   const names = input.sources.map((s) => s.name || 'a look').join(', ');
@@ -32,13 +30,14 @@ function InputRow({ node, input }: { node: GraphNode; input: NodeInput }) {
   const missing = input.sources.filter((s) => s.node === undefined && s.name !== '').map((s) => s.name);
   const type = input.takes.length === 1 ? input.takes[0] : 'any';
   const isNeeded = !input.isOptional && input.sources.length === 0 && !input.isAnyName;
+  const fit = useFitClass(node.id, INPUT + input.name);
   return (
-    <div className="port-row">
+    <div className={`port-row${fit}`}>
       <Handle
         type="target"
         position={Position.Left}
         id={INPUT + input.name}
-        className={`port port-${type}`}
+        className={`port port-${type}${fit}`}
         aria-hidden
       />
       <button
@@ -82,6 +81,7 @@ function Progress({ node, state }: { node: GraphNode; state: NodeState }) {
     </div>
   );
 }
+
 const STATE_HELP: Readonly<Record<StateKind, string>> = {
   incomplete: 'Something that it needs is missing: an input, a property, or data of that name.',
   blocked: 'A node that it is made of cannot be made.',
@@ -141,6 +141,7 @@ export const NodeCard = memo(function NodeCard({ data, selected }: NodeProps<Car
   const { node, state, problems } = data;
   const classes = ['card', `card-${node.role}`, selected ? 'selected' : '', node.isKnown ? '' : 'unknown'];
   const type = node.gives ?? 'any';
+  const fit = useFitClass(node.id, OUTPUT);
   return (
     <div className={classes.join(' ')}>
       <div className="card-head">
@@ -154,7 +155,7 @@ export const NodeCard = memo(function NodeCard({ data, selected }: NodeProps<Car
           <>
             <button
               type="button"
-              className="port-out nodrag"
+              className={`port-out nodrag${fit}`}
               data-port={OUTPUT}
               aria-label={`Output of ${titleOf(node)}, gives ${node.gives ?? 'data'}`}
             >
@@ -164,7 +165,7 @@ export const NodeCard = memo(function NodeCard({ data, selected }: NodeProps<Car
               type="source"
               position={Position.Right}
               id={OUTPUT}
-              className={`port port-${type}`}
+              className={`port port-${type}${fit}`}
               aria-hidden
             />
           </>

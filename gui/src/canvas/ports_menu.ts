@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an output or an input can be connected with: the list that the key `c` opens at a port.
 import { type NodeGraph, edgeProblem } from '../graph/nodes';
-import { INPUT } from './node_card';
 import type { MenuItem } from './menu';
-import { titleOf } from './titles';
+import { INPUT, titleOf } from './titles';
 
 export interface PortItem extends MenuItem {
   readonly source: string;

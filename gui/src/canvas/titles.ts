@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How nodes are called for people.
+// How nodes are called for people, and their ports on the canvas.
 import { textOf } from '../graph/json';
 import { type GraphNode, lookType } from '../graph/nodes';
+
+/** What ports are called on the canvas: `in:NAME` and `out`. */
+export const INPUT = 'in:';
+export const OUTPUT = 'out';
 
 export function titleOf(node: GraphNode): string {
   return node.name || textOf(node.entry, 'dataset') || 'look';
