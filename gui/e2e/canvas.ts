@@ -126,3 +126,39 @@ export function renderedFigure(
   server.make('gxyrender', state_, '-o', 'saved', '--size', size, ...data);
   return readFileSync(join(server.folder, 'saved_00000.png'));
 }
+
+interface Box {
+  readonly x: number;
+  readonly y: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+/** The places of the cards and of the canvas on the page. */
+async function places(page: Page): Promise<{ pane: Box; cards: Box[] }> {
+  const pane = await page.locator('.react-flow__pane').boundingBox();
+  const cards = await page.locator('.react-flow__node').all();
+  const boxes = await Promise.all(cards.map((c) => c.boundingBox()));
+  if (!pane) throw new Error('the canvas is not shown');
+  return { pane, cards: boxes.filter((b) => b !== null) };
+}
+
+/** Whether all cards are within the canvas. */
+export async function allInSight(page: Page): Promise<boolean> {
+  const { pane, cards } = await places(page);
+  return cards.every(
+    (c) =>
+      c.x >= pane.x &&
+      c.y >= pane.y &&
+      c.x + c.width <= pane.x + pane.width &&
+      c.y + c.height <= pane.y + pane.height,
+  );
+}
+
+/** How many pairs of cards lie on each other. */
+export async function overlaps(page: Page): Promise<number> {
+  const { cards } = await places(page);
+  const touch = (a: Box, b: Box): boolean =>
+    a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+  return cards.reduce((sum, a, i) => sum + cards.slice(i + 1).filter((b) => touch(a, b)).length, 0);
+}

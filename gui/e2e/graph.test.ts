@@ -7,6 +7,7 @@ import { afterAll, beforeAll, describe, expect, inject, it } from 'vitest';
 import { Browser, canvasOf, savedPicture, seriousFindings, whole } from './browser';
 import {
   addByMouse,
+  allInSight,
   card,
   connect,
   drag,
@@ -141,6 +142,7 @@ describe('a user', () => {
       .dragTo(pane, { targetPosition: { x: 20, y: 300 } });
     await state(page, 'Visualizations/view', 'done'); // shown after two gestures: a new graph, and data dragged into it
     for (let i = 0; i < 3; i++) await page.locator('.react-flow__controls-zoomout').click(); // room for five nodes
+    await expect.poll(() => allInSight(page)).toBe(true);
     await addByMouse(page, 'simsim.eightBalls', 'Datasets/simsim.eightBalls', [0.04, 0.06]);
     await addByMouse(page, 'Derive', 'Datasets/derive', [0.36, 0.06]);
     await addByMouse(page, 'IsosurfaceSampler', 'Datasets/isosurfaceSampler', [0.36, 0.36]);

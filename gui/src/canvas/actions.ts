@@ -14,7 +14,7 @@ import {
   removeAll,
   rename,
 } from '../graph/changes';
-import { type Edit, applied, find } from '../graph/edits';
+import { type Edit, type Section, applied, find } from '../graph/edits';
 import { fragmentIn, fragmentOf, paste } from '../graph/fragment';
 import {
   type Json,
@@ -42,7 +42,8 @@ import { statement } from '../wire/statement';
 import type { AddItem } from './add_items';
 import { firstLook } from './add_items';
 import { dataTypeOf, liveTypes, useGraphStore } from './graph_store';
-import { COLUMN } from './layout';
+import { COLUMN, heightOf, placesFor } from './layout';
+import { type Rect, type Size, placeBelow, placeWithRoom } from './room';
 
 const store = useGraphStore.getState;
 
@@ -120,12 +121,53 @@ export interface AddPlace {
   readonly target?: { readonly id: string; readonly input: string };
 }
 
+/** How large the cards of the canvas are, as far as they were drawn. */
+export const cardSizes = new Map<string, Size>();
+
+const WIDTH = 190; // of a card
+
+const sizeOf = (node: GraphNode): Size =>
+  cardSizes.get(node.id) ?? { width: WIDTH, height: heightOf(node.inputs.length) };
+
+/** The cards of a graph as the canvas places them. */
+function rectsOf({ document, graph }: Change): Map<string, Rect> {
+  const known = new Map(
+    graph.nodes.flatMap((n): [string, Position][] => {
+      const at = positionOf(document, n.id);
+      return at ? [[n.id, at]] : [];
+    }),
+  );
+  const free = placesFor(graph, known);
+  return new Map(
+    graph.nodes.map((node): [string, Rect] => {
+      const [x, y] = known.get(node.id) ?? free.get(node.id) ?? [0, 0];
+      return [node.id, { x, y, ...sizeOf(node) }];
+    }),
+  );
+}
+
+/** Adds a node where it has room. Returns its id. */
+function addAt(edit: Change, section: Section, entry: JsonObject, at: Position): string {
+  const others = [...rectsOf(edit).values()];
+  const { id, edits } = addNode(edit.document, section, entry);
+  const node = edit.add(edits).graph.byId.get(id);
+  if (node) edit.add(moveNodes(edit.document, new Map([[id, placeWithRoom(at, sizeOf(node), others)]])));
+  return id;
+}
+
+/** Right of what the new node reads, or left of what reads it. */
+function beside(edit: Change, { at: [x, y], source, target }: AddPlace): Position {
+  const rects = rectsOf(edit);
+  const [from, to] = [rects.get(source ?? ''), rects.get(target?.id ?? '')];
+  if (from) return [Math.max(x, from.x + COLUMN), y];
+  return to ? [Math.min(x, to.x - COLUMN), y] : [x, y];
+}
+
 /** Adds a node, connected as the place says, and selects it. Returns its id. */
 export function addItem(item: AddItem, place: AddPlace): string {
   const edit = change();
   if (!edit) return '';
-  const { id, edits } = addNode(edit.document, item.section, item.entry, place.at);
-  edit.add(edits);
+  const id = addAt(edit, item.section, item.entry, beside(edit, place));
   const { source, target } = place;
   const from = source === undefined ? undefined : edit.graph.byId.get(source);
   if (from)
@@ -298,19 +340,14 @@ export async function showDataset(name: string, at?: Position): Promise<void> {
     const known = store().live.find((d) => d.name === name);
     const entry = { name, type: known?.type ?? dataTypeOf(textOf(type, 'type')) ?? 'Volume' };
     const place = at ?? below(edit);
-    if (!edit.graph.byId.has(idOf('Datasets', name)))
-      edit.add(addNode(edit.document, 'Datasets', entry, place).edits);
+    if (!edit.graph.byId.has(idOf('Datasets', name))) addAt(edit, 'Datasets', entry, place);
     finishScene(edit, [addLook(edit, { entry, shown: name }, scene, place)]);
   } catch (error) {
     say(messageOf(error));
   }
 }
 
-/** A place below all nodes. */
-function below({ document, graph }: Change): Position {
-  const bottoms = graph.nodes.map((node) => (positionOf(document, node.id)?.[1] ?? 0) + 160);
-  return [0, Math.max(0, ...bottoms)];
-}
+const below = (edit: Change): Position => placeBelow([...rectsOf(edit).values()]);
 
 /** Adds the datasets of a file of the server as nodes that read it, with looks that suit them, and shows them in a view. */
 export async function showFile(path: string): Promise<void> {
@@ -323,8 +360,7 @@ export async function showFile(path: string): Promise<void> {
     const scene = member(reply, 'state') ?? {};
     const looks = objectsIn(member(scene, 'Datasets')).map((entry) => {
       const place = below(edit);
-      const { id, edits } = addNode(edit.document, 'Datasets', entry, place);
-      edit.add(edits);
+      const id = addAt(edit, 'Datasets', entry, place);
       return addLook(edit, { entry, shown: id.slice('Datasets/'.length) }, scene, place);
     });
     finishScene(edit, looks);
@@ -348,8 +384,7 @@ function addLook(
     dataset: shown,
     name: `${shown} look`,
   };
-  const { id, edits } = addNode(edit.document, 'Operators', look, [x + COLUMN, y]);
-  edit.add(edits);
+  const id = addAt(edit, 'Operators', look, [x + COLUMN, y]);
   const views = edit.graph.nodes.filter((n) => n.role === 'view');
   const view = views.find((v) => store().selection.includes(v.id)) ?? views[0];
   const lookName = id.slice('Operators/'.length);
@@ -360,7 +395,7 @@ function addLook(
   const camera = member(scene, 'Camera') ?? objectsIn(member(scene, 'Cameras'))[0] ?? { fit: true };
   const base = isObject(visualization) ? withoutMember(visualization, 'operators') : {};
   const made = { ...base, name: 'view', operators: [lookName], camera };
-  edit.add(addNode(edit.document, 'Visualizations', made, [x + 2 * COLUMN, y]).edits);
+  addAt(edit, 'Visualizations', made, [x + 2 * COLUMN, y]);
   return { id, view: namesOf(edit.document, 'Visualizations')[0] as string };
 }
 

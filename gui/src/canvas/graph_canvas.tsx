@@ -33,6 +33,7 @@ import { type GraphEdge, type NodeGraph, edgeProblem } from '../graph/nodes';
 import { type GraphSnapshot, VIEW_ONLY } from '../graph/session';
 import {
   addItem,
+  cardSizes,
   connectNodes,
   copied,
   insertNode,
@@ -53,6 +54,7 @@ import { beginDragging, endDragging } from './fitting_ports';
 import { type CardData, type CardNode, NodeCard } from './node_card';
 import { portItems } from './ports_menu';
 import { INPUT, OUTPUT, kindOf, titleOf } from './titles';
+import { FIT, useSight } from './use_sight';
 import { useStable } from './use_stable';
 
 const TYPES = { card: NodeCard };
@@ -134,6 +136,7 @@ function Canvas() {
   const place = useRef<HTMLDivElement>(null);
   const focused = useRef<HTMLElement | null>(null); // before a menu was opened
   const byMouse = useRef(false); // the canvas has the focus by a click
+  const sight = useSight(graph, selection);
   const items = useMemo(() => addItems(catalogue, live), [catalogue, live]);
 
   // What the canvas shows follows the graph, but for nodes that are being dragged: React's pattern for state of props.
@@ -151,9 +154,9 @@ function Canvas() {
     const document = session?.snapshot.document ?? {};
     const isEmpty = SECTIONS.every((section) => objectsIn(member(document, section)).length === 0);
     if (!isLoaded || isEmpty) return;
-    const timer = setTimeout(() => void flow.fitView({ maxZoom: 1, padding: 0.08 }), 50);
+    const timer = setTimeout(sight.fit, 50);
     return () => clearTimeout(timer);
-  }, [isLoaded, session, flow]);
+  }, [isLoaded, session, sight.fit]);
 
   const inside = useCallback((x: number, y: number) => {
     const box = place.current?.getBoundingClientRect();
@@ -260,7 +263,7 @@ function Canvas() {
       cards.map((c) => [c.id, { width: c.measured?.width ?? 190, height: c.measured?.height ?? 100 }]),
     );
     move(await arranged(graph, sizes));
-    setTimeout(() => void flow.fitView({ maxZoom: 1, padding: 0.08 }), 50);
+    setTimeout(sight.fit, 50);
   }
 
   const selectedEdges = (): GraphEdge[] => {
@@ -272,6 +275,8 @@ function Canvas() {
     const chosen = withSelection(useGraphStore.getState().selection, changes);
     if (chosen) select(chosen);
     const others = changes.filter((c) => c.type !== 'select');
+    for (const c of others)
+      if (c.type === 'dimensions' && c.dimensions) cardSizes.set(c.id, c.dimensions);
     if (others.length > 0) setCards((before) => applyNodeChanges(others, before));
     // The keys of a node that is focused move it, too; a drag ends in endDrag().
     const byKey = changes.flatMap((c): [string, Position][] =>
@@ -299,6 +304,9 @@ function Canvas() {
   const onConnectEnd = useStable((...ended: Parameters<typeof endConnection>) => {
     endDragging();
     endConnection(...ended);
+  });
+  const onMoveStart = useStable((event: unknown) => {
+    if (event) sight.release(); // Else the page has moved the canvas itself.
   });
   const onReconnect = useStable((edge: Edge, connection: FlowConnection) =>
     join(
@@ -369,7 +377,7 @@ function Canvas() {
           },
           openPort,
           arrange: () => void arrange(),
-          fit: () => void flow.fitView({ maxZoom: 1, padding: 0.08 }),
+          fit: sight.fit,
         });
       }}
       onClick={(event) => {
@@ -412,6 +420,7 @@ function Canvas() {
         onConnect={onConnect}
         onConnectStart={onConnectStart}
         onConnectEnd={onConnectEnd}
+        onMoveStart={onMoveStart}
         onReconnect={onReconnect}
         isValidConnection={isValidConnection}
         connectionLineType={ConnectionLineType.Bezier}
@@ -425,7 +434,13 @@ function Canvas() {
         colorMode="system"
       >
         <Background gap={24} />
-        <Controls showInteractive={false} />
+        <Controls
+          showInteractive={false}
+          fitViewOptions={FIT}
+          onZoomIn={sight.release}
+          onZoomOut={sight.release}
+          onFitView={sight.fit}
+        />
       </ReactFlow>
       {graph.nodes.length === 0 && isLoaded && !snapshot.isViewOnly && (
         <p className="canvas-hint">Double click or press A to add a node, or drag data here.</p>
