@@ -14,6 +14,7 @@ import {
   edges,
   figure1,
   openGraphFile,
+  overlaps,
   port,
   publishFigure1,
   renderedFigure,
@@ -141,8 +142,8 @@ describe('a user', () => {
       .getByRole('row', { name: /simsim.oneBall/ })
       .dragTo(pane, { targetPosition: { x: 20, y: 300 } });
     await state(page, 'Visualizations/view', 'done'); // shown after two gestures: a new graph, and data dragged into it
-    for (let i = 0; i < 3; i++) await page.locator('.react-flow__controls-zoomout').click(); // room for five nodes
     await expect.poll(() => allInSight(page)).toBe(true);
+    for (let i = 0; i < 3; i++) await page.locator('.react-flow__controls-zoomout').click(); // room for five nodes
     await addByMouse(page, 'simsim.eightBalls', 'Datasets/simsim.eightBalls', [0.04, 0.06]);
     await addByMouse(page, 'Derive', 'Datasets/derive', [0.36, 0.06]);
     await addByMouse(page, 'IsosurfaceSampler', 'Datasets/isosurfaceSampler', [0.36, 0.36]);
@@ -170,9 +171,24 @@ describe('a user', () => {
     await page.getByRole('combobox', { name: /^Add/ }).fill('PathLines look');
     await page.locator('.menu [role=option]').first().click();
     await card(page, 'Operators/pathlines look').waitFor();
-    await page.locator('.react-flow__controls-fitview').click(); // The look may reach out of the canvas.
-    await connect(page, 'Operators/pathlines look', 'Visualizations/view', 'operators');
-    expect(await edges(page)).toContain('Operators/pathlines look > Visualizations/view operators 1');
+    await expect.poll(() => overlaps(page)).toBe(0);
+    // It is joined to the only view at once, and undone with that edge.
+    const joined = 'Operators/pathlines look > Visualizations/view operators 1';
+    await expect.poll(() => edges(page)).toContain(joined);
+    await page.getByRole('button', { name: 'Undo' }).click();
+    await card(page, 'Operators/pathlines look').waitFor({ state: 'detached' });
+    await page.getByRole('button', { name: 'Redo' }).click();
+    await expect.poll(() => edges(page)).toContain(joined);
+    await state(page, 'Visualizations/view', 'done');
+    // Buttons add a plane through the middle of the data, and an isovalue in the middle of their range.
+    await page.locator('.react-flow__controls-fitview').click();
+    await select(page, 'Operators/simsim.oneBall look');
+    const values = (key: string) => page.locator(`.node-form [data-property="${key}"]`).inputValue();
+    await page.getByRole('button', { name: /^Add a plane across y.* to slices$/ }).click();
+    await expect.poll(() => values('slices')).toBe('0, 1, 0, 0');
+    await page.getByRole('button', { name: /^Add a value .* to isovalues$/ }).click();
+    await expect.poll(async () => Number((await values('isovalues')) || NaN)).toBeGreaterThan(0.1);
+    await state(page, 'Visualizations/view', 'done');
     const document = await savedGraph(page);
     expect(document['Datasets']).toEqual([
       { name: 'simsim.oneBall', type: 'Volume' },

@@ -19,6 +19,7 @@ import { fragmentIn, fragmentOf, paste } from '../graph/fragment';
 import {
   type Json,
   type JsonObject,
+  isList,
   isObject,
   member,
   objectsIn,
@@ -163,6 +164,16 @@ function beside(edit: Change, { at: [x, y], source, target }: AddPlace): Positio
   return to ? [Math.min(x, to.x - COLUMN), y] : [x, y];
 }
 
+/** Joins a new look to the view, if the graph has exactly one and the look is not in it. */
+function joinToOnlyView(edit: Change, id: string): void {
+  const { graph } = edit;
+  const [view, another] = graph.nodes.filter((n) => n.role === 'view');
+  const [look, input] = [graph.byId.get(id), view?.inputs[0]];
+  if (!view || another || !input || look?.role !== 'look') return;
+  if (input.sources.some((s) => s.node === id) || !isList(member(view.entry, 'operators'))) return;
+  edit.add(connect(look, view, input));
+}
+
 /** Adds a node, connected as the place says, and selects it. Returns its id. */
 export function addItem(item: AddItem, place: AddPlace): string {
   const edit = change();
@@ -181,6 +192,7 @@ export function addItem(item: AddItem, place: AddPlace): string {
     const problem = addConnection(edit, id, target.id, (i) => i.name === target.input);
     if (problem !== '') store().say(problem);
   }
+  joinToOnlyView(edit, id);
   make(edit, [id]);
   return id;
 }
