@@ -11,6 +11,7 @@ import { type Json, member, textOf } from '../graph/json';
 import { type GraphNode, lookType } from '../graph/nodes';
 import { VIEW_ONLY } from '../graph/session';
 import type { ValueType } from '../graph/value_type';
+import { AddButtons } from './add_buttons';
 import { Field } from './fields';
 
 // What edges and the name's field say already, and what is not accepted.
@@ -99,6 +100,7 @@ function PropertyRow({ node, property }: { node: GraphNode; property: Property }
       >
         ↺
       </button>
+      <AddButtons {...{ node, property, name: key }} />
       <p id={`${id}-help`} className="hint">
         {problem !== '' && (
           <span className="error" role="alert">
