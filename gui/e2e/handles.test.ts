@@ -5,7 +5,15 @@ import { join } from 'node:path';
 import type { Locator, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
 import { Browser, canvasOf, openFile, saved, seriousFindings, whole } from './browser';
-import { openGraphFile, publishFigure1, renderedFigure, savedGraph, select, state } from './canvas';
+import {
+  openGraphFile,
+  publishFigure1,
+  renderedFigure,
+  savedGraph,
+  select,
+  setProperty,
+  state,
+} from './canvas';
 import { decodePng, type Pixels } from './png';
 import { Server } from './server';
 
@@ -147,6 +155,55 @@ it('a slice and an isovalue are dragged in the picture: document, form and pictu
   await expect.poll(() => field(page, 'slices')).toBe('0, 0, 1, 0.1346');
   await page.keyboard.press('Control+z');
   await expect.poll(() => field(page, 'slices')).toBe('0, 0, 1, 0.1');
+  await finish(page);
+});
+
+it('the box and the line of seeds are moved in the picture, and the form follows', async () => {
+  const page = await opened(900, 560);
+  const graph = {
+    ...GRAPH,
+    Datasets: [
+      ...GRAPH.Datasets,
+      { name: 'seeds', filter: 'Seeds', inputs: { domain: 'simsim.oneBall' }, shape: 'box', count: 200 },
+    ],
+    Operators: [LOOK, { name: 'points', type: 'Particles', dataset: 'seeds', radius: 0.03 }],
+    Visualizations: [{ name: 'view', operators: ['balls', 'points'], camera: CAMERA }],
+  };
+  await openGraphFile(page, server.file('seeds.json', JSON.stringify(graph)));
+  await state(page, 'Datasets/seeds', 'done');
+  await select(page, 'Datasets/seeds');
+  await whole(page);
+  const undo = page.getByRole('button', { name: 'Undo' });
+  const before = await pictureNow(page);
+  const numbers = async (key: string): Promise<number[]> =>
+    (await field(page, key)).split(/[\s,]+/).map(Number);
+  // While the mouse is down, form and picture follow. Only the side that is held moves.
+  await hold(page, handle(page, /^Move the upper x side of seeds/), { x: -40, y: 5 });
+  await expect.poll(async () => (await numbers('box')).length).toBe(6);
+  await other(page, before);
+  await page.mouse.up();
+  const [x0, x1 = 1, ...others] = await numbers('box');
+  expect([x0, ...others]).toEqual([-1, -1, 1, -1, 1]);
+  expect(x1).toBeGreaterThan(-1);
+  expect(x1).toBeLessThan(0.95);
+  await undo.click();
+  await expect.poll(() => field(page, 'box')).toBe('');
+  expect(await undo.isDisabled()).toBe(true);
+  // A side moves by keys by a hundredth of the diagonal of what is shown.
+  await handle(page, /^Move the lower y side of seeds/).focus();
+  await page.keyboard.press('ArrowUp');
+  await expect.poll(async () => (await numbers('box'))[2]).toBeCloseTo(-0.965, 2);
+  // The look of the points shows the handles, too. Those of a line are at its ends.
+  await setProperty(page, 'shape', 'line');
+  await select(page, 'Operators/points');
+  const end = handle(page, /^Move the last point of seeds/);
+  await hold(page, end, { x: 20, y: 15 });
+  await page.mouse.up();
+  await select(page, 'Datasets/seeds');
+  await expect.poll(async () => (await numbers('to')).length).toBe(3);
+  expect(await field(page, 'from')).toBe('');
+  await state(page, 'Datasets/seeds', 'done');
+  await page.screenshot({ path: join(inject('pictures'), 'seeds.png') });
   await finish(page);
 });
 

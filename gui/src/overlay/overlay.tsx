@@ -4,19 +4,21 @@ import { type KeyboardEvent, useEffect, useMemo, useState, useSyncExternalStore 
 import { useGraphStore } from '../canvas/graph_store';
 import type { JsonObject } from '../graph/json';
 import { type ShippedMap, shippedMaps } from '../maps/colormaps';
-import type { Size } from '../view/camera';
+import type { Box, Size } from '../view/camera';
 import type { Seen } from '../view/remote_window';
 import type { View } from '../view/view';
 import { HandEdits, withDraft } from './hand_edits';
 import { barHeightIn, firstLegend } from './legend';
 import { LegendPanel } from './legend_panel';
 import { type LookEditor, useLookEditor } from './look_editor';
-import { heldOf, isovaluesOf, type Look, looksOf, planesOf } from './looks';
+import { heldOf, idOf, isovaluesOf, type Look, looksOf, planesOf } from './looks';
 import { AxesMark, BoxMark, PickMark } from './marks';
 import './overlay.css';
 import { useOverlays } from './overlay_state';
 import { PlaneHandle } from './plane_handle';
 import { type Projection, projectionOf } from './projection';
+import { seedsIn } from './seeds';
+import { SeedsHandle } from './seeds_handle';
 
 /** Overlays of a view; nothing as long as it shows no picture. */
 export function Overlay({ view }: { readonly view: View }) {
@@ -69,6 +71,8 @@ function OfDocument({
     [document, draft, editor.which],
   );
   const held = heldOf(looks, selection);
+  const chosen = looks.filter((look) => selection.includes(idOf(look)));
+  const seeds = view.ofGraph ? seedsIn(withDraft(document, draft), selection, chosen) : [];
 
   function key(event: KeyboardEvent): void {
     if (!(event.ctrlKey || event.metaKey)) return;
@@ -88,10 +92,7 @@ function OfDocument({
               {...{
                 of,
                 view: projection,
-                box: seen.box ?? [
-                  [0, 0, 0],
-                  [0, 0, 0],
-                ],
+                box: seen.box ?? NO_BOX,
                 hands,
                 canEdit,
               }}
@@ -100,12 +101,23 @@ function OfDocument({
               }}
             />
           ))}
+          {seeds.map((of) => (
+            <SeedsHandle
+              key={of.name}
+              {...{ of, view: projection, box: seen.box ?? NO_BOX, hands, canEdit }}
+            />
+          ))}
         </svg>
       )}
       {shown.legend && <OfLook {...{ looks: held, seen, hands, canEdit, size: projection.size }} />}
     </div>
   );
 }
+
+const NO_BOX: Box = [
+  [0, 0, 0],
+  [0, 0, 0],
+];
 
 interface OfLookProps {
   readonly looks: readonly Look[];
