@@ -61,6 +61,7 @@ export async function drag(page: Page, from: Locator, to: Locator | { x: number;
     if (!box) throw new Error('what is to be dragged is not shown');
     return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
   };
+  for (const end of 'x' in to ? [from] : [from, to]) await intoSight(page, end);
   const b = 'x' in to ? to : await middle(to);
   const a = await middle(from);
   await page.mouse.move(a.x, a.y);
@@ -103,7 +104,22 @@ export async function setProperty(page: Page, key: string, text: string): Promis
   await field.press((await field.evaluate((e) => e.tagName)) === 'TEXTAREA' ? 'Control+Enter' : 'Enter');
 }
 
+/**
+ * The canvas shows as much of a graph as can be read. This shows all of it, if an element of it is not well within: near its edges the
+ * canvas moves while an edge is dragged.
+ */
+async function intoSight(page: Page, of: Locator): Promise<void> {
+  const [box, pane] = [await of.boundingBox(), await paneOf(page)];
+  const edge = 36;
+  const inner = {
+    ...{ x: pane.x + edge, y: pane.y + edge },
+    ...{ width: pane.width - 2 * edge, height: pane.height - 2 * edge },
+  };
+  if (!box || !isWithin(box, inner)) await page.locator('.react-flow__controls-fitview').click();
+}
+
 export async function select(page: Page, id: string): Promise<void> {
+  await intoSight(page, card(page, id));
   await card(page, id).locator('.card-title').click();
   await page.getByRole('tab', { name: 'Properties' }).click();
 }
@@ -134,30 +150,34 @@ interface Box {
   readonly height: number;
 }
 
-/** The places of the cards and of the canvas on the page. */
-async function places(page: Page): Promise<{ pane: Box; cards: Box[] }> {
+async function paneOf(page: Page): Promise<Box> {
   const pane = await page.locator('.react-flow__pane').boundingBox();
+  if (!pane) throw new Error('the canvas is not shown');
+  return pane;
+}
+
+const isWithin = (inner: Box, outer: Box): boolean =>
+  inner.x >= outer.x &&
+  inner.y >= outer.y &&
+  inner.x + inner.width <= outer.x + outer.width &&
+  inner.y + inner.height <= outer.y + outer.height;
+
+/** The places of the cards on the page. */
+async function cardPlaces(page: Page): Promise<Box[]> {
   const cards = await page.locator('.react-flow__node').all();
   const boxes = await Promise.all(cards.map((c) => c.boundingBox()));
-  if (!pane) throw new Error('the canvas is not shown');
-  return { pane, cards: boxes.filter((b) => b !== null) };
+  return boxes.filter((b) => b !== null);
 }
 
 /** Whether all cards are within the canvas. */
 export async function allInSight(page: Page): Promise<boolean> {
-  const { pane, cards } = await places(page);
-  return cards.every(
-    (c) =>
-      c.x >= pane.x &&
-      c.y >= pane.y &&
-      c.x + c.width <= pane.x + pane.width &&
-      c.y + c.height <= pane.y + pane.height,
-  );
+  const pane = await paneOf(page);
+  return (await cardPlaces(page)).every((c) => isWithin(c, pane));
 }
 
 /** How many pairs of cards lie on each other. */
 export async function overlaps(page: Page): Promise<number> {
-  const { cards } = await places(page);
+  const cards = await cardPlaces(page);
   const touch = (a: Box, b: Box): boolean =>
     a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
   return cards.reduce((sum, a, i) => sum + cards.slice(i + 1).filter((b) => touch(a, b)).length, 0);

@@ -143,10 +143,10 @@ describe('a user', () => {
       .dragTo(pane, { targetPosition: { x: 20, y: 300 } });
     await state(page, 'Visualizations/view', 'done'); // shown after two gestures: a new graph, and data dragged into it
     await expect.poll(() => allInSight(page)).toBe(true);
-    for (let i = 0; i < 3; i++) await page.locator('.react-flow__controls-zoomout').click(); // room for five nodes
+    for (let i = 0; i < 4; i++) await page.locator('.react-flow__controls-zoomout').click(); // room for seven nodes
     await addByMouse(page, 'simsim.eightBalls', 'Datasets/simsim.eightBalls', [0.04, 0.06]);
     await addByMouse(page, 'Derive', 'Datasets/derive', [0.36, 0.06]);
-    await addByMouse(page, 'IsosurfaceSampler', 'Datasets/isosurfaceSampler', [0.36, 0.36]);
+    await addByMouse(page, 'IsosurfaceSampler', 'Datasets/isosurfaceSampler', [0.36, 0.65]);
     await addByMouse(page, 'StreamTracer', 'Datasets/streamTracer', [0.7, 0.06]);
     await page.locator('.react-flow__controls-fitview').click();
     await connect(page, 'Datasets/simsim.eightBalls', 'Datasets/derive', '');

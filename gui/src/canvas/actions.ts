@@ -127,8 +127,13 @@ export const cardSizes = new Map<string, Size>();
 
 const WIDTH = 190; // of a card
 
-const sizeOf = (node: GraphNode): Size =>
-  cardSizes.get(node.id) ?? { width: WIDTH, height: heightOf(node.inputs.length) };
+const TEXT = 90; // of what a card says is missing, at most
+
+function sizeOf(node: GraphNode): Size {
+  const isMissing = node.inputs.some((i) => !i.isOptional && !i.isAnyName && i.sources.length === 0);
+  const height = heightOf(node.inputs.length) + (isMissing ? TEXT : 0);
+  return cardSizes.get(node.id) ?? { width: WIDTH, height };
+}
 
 /** The cards of a graph as the canvas places them. */
 function rectsOf({ document, graph }: Change): Map<string, Rect> {

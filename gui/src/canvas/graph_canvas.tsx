@@ -22,13 +22,11 @@ import {
   type DragEvent,
   type MouseEvent as ReactMouseEvent,
   useCallback,
-  useEffect,
   useMemo,
   useRef,
   useState,
 } from 'react';
 import { type Position, positionOf } from '../graph/changes';
-import { member, objectsIn } from '../graph/json';
 import { type GraphEdge, type NodeGraph, edgeProblem } from '../graph/nodes';
 import { type GraphSnapshot, VIEW_ONLY } from '../graph/session';
 import {
@@ -123,7 +121,6 @@ function edgesOf(graph: NodeGraph, before: readonly Edge[]): Edge[] {
 }
 
 const MULTI_SELECTION = ['Control', 'Meta', 'Shift'];
-const SECTIONS = ['Datasets', 'Operators', 'Visualizations', 'Outputs'] as const;
 
 function Canvas() {
   const graph = useNodeGraph();
@@ -136,7 +133,7 @@ function Canvas() {
   const place = useRef<HTMLDivElement>(null);
   const focused = useRef<HTMLElement | null>(null); // before a menu was opened
   const byMouse = useRef(false); // the canvas has the focus by a click
-  const sight = useSight(graph, selection);
+  const sight = useSight(session, graph, selection);
   const items = useMemo(() => addItems(catalogue, live), [catalogue, live]);
 
   // What the canvas shows follows the graph, but for nodes that are being dragged: React's pattern for state of props.
@@ -147,17 +144,7 @@ function Canvas() {
     setEdges(edgesOf(graph, edges));
   }
 
-  // A graph that is opened fits into the canvas. One without nodes does not: React Flow would move the canvas once the first is there,
-  // while the user works on it.
   const isLoaded = snapshot?.isLoaded === true;
-  useEffect(() => {
-    const document = session?.snapshot.document ?? {};
-    const isEmpty = SECTIONS.every((section) => objectsIn(member(document, section)).length === 0);
-    if (!isLoaded || isEmpty) return;
-    const timer = setTimeout(sight.fit, 50);
-    return () => clearTimeout(timer);
-  }, [isLoaded, session, sight.fit]);
-
   const inside = useCallback((x: number, y: number) => {
     const box = place.current?.getBoundingClientRect();
     return { x: x - (box?.left ?? 0), y: y - (box?.top ?? 0) };
@@ -377,7 +364,7 @@ function Canvas() {
           },
           openPort,
           arrange: () => void arrange(),
-          fit: sight.fit,
+          fit: sight.fitAll,
         });
       }}
       onClick={(event) => {
@@ -435,11 +422,12 @@ function Canvas() {
       >
         <Background gap={24} />
         <Controls
+          orientation="horizontal"
           showInteractive={false}
           fitViewOptions={FIT}
           onZoomIn={sight.release}
           onZoomOut={sight.release}
-          onFitView={sight.fit}
+          onFitView={sight.fitAll}
         />
       </ReactFlow>
       {graph.nodes.length === 0 && isLoaded && !snapshot.isViewOnly && (

@@ -3,12 +3,12 @@
 import type { Position } from '../graph/changes';
 import type { NodeGraph } from '../graph/nodes';
 
-export const COLUMN = 240;
+export const COLUMN = 226;
 const GAP = 28;
 
 /** How high a card is, as far as it can be told before it is drawn. */
 export function heightOf(inputs: number): number {
-  return 84 + 24 * inputs;
+  return 92 + 25 * inputs;
 }
 
 /** Places for the nodes that have none, in columns by their distance from the sources, below what is there. */
@@ -56,7 +56,7 @@ export async function arranged(
 ): Promise<Map<string, Position>> {
   const { default: dagre } = await import('@dagrejs/dagre');
   const plan = new dagre.graphlib.Graph({ multigraph: true });
-  plan.setGraph({ rankdir: 'LR', nodesep: GAP, ranksep: 50 });
+  plan.setGraph({ rankdir: 'LR', nodesep: GAP, ranksep: 36 });
   plan.setDefaultEdgeLabel(() => ({}));
   for (const node of graph.nodes)
     plan.setNode(node.id, {

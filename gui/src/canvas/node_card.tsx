@@ -82,6 +82,20 @@ function Progress({ node, state }: { node: GraphNode; state: NodeState }) {
   );
 }
 
+/** A line breaks between facts only. */
+function Facts({ text }: { readonly text: string }) {
+  return (
+    <span className="facts">
+      {text.split(' · ').map((fact, i) => (
+        <span key={i}>
+          {i > 0 && ' · '}
+          <span className="fact">{fact}</span>
+        </span>
+      ))}
+    </span>
+  );
+}
+
 const STATE_HELP: Readonly<Record<StateKind, string>> = {
   incomplete: 'Something that it needs is missing: an input, a property, or data of that name.',
   blocked: 'A node that it is made of cannot be made.',
@@ -115,7 +129,7 @@ function Footer({ node, state, problems }: CardData) {
               <Foreign text={state.by} />
             </span>
           )}
-          <span className="facts">{factsText(state, step)}</span>
+          <Facts text={factsText(state, step)} />
         </div>
       )}
       {state?.kind === 'running' && <Progress node={node} state={state} />}
