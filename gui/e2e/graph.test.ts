@@ -92,7 +92,7 @@ describe.each([1, 3])('on %i ranks', (ranks) => {
     for (const id of ['gradient', 'seeds', 'lines']) await state(page, `Datasets/${id}`, 'done');
     await state(page, 'Visualizations/view', 'done');
     expect(await page.locator('.react-flow__node').count()).toBe(9);
-    expect(await edges(page)).toEqual(FIGURE_EDGES);
+    await expect.poll(() => edges(page)).toEqual(FIGURE_EDGES);
     expect(await card(page, 'Datasets/seeds').innerText()).toMatch(
       /seeds\s+IsosurfaceSampler\s+Particles[^]*done\s+generation 1 ·/,
     );
@@ -117,7 +117,7 @@ describe.each([1, 3])('on %i ranks', (ranks) => {
     await state(page, 'Datasets/lines', 'done');
     await state(page, 'Visualizations/view', 'done');
     expect(await texts()).toEqual(before); // with generations and seconds
-    expect(await edges(page)).toEqual(FIGURE_EDGES);
+    await expect.poll(() => edges(page)).toEqual(FIGURE_EDGES);
     await finish(page);
     dropAll(server);
   });
@@ -272,11 +272,13 @@ describe('a user', () => {
     await press('Enter');
     await state(page, 'Datasets/isosurfaceSampler', 'done');
     await whole(page);
-    expect(await edges(page)).toEqual([
-      'Datasets/isosurfaceSampler > Operators/particles look dataset 0',
-      'Datasets/simsim.eightBalls > Datasets/isosurfaceSampler field 0',
-      'Operators/particles look > Visualizations/view operators 0',
-    ]);
+    await expect
+      .poll(() => edges(page))
+      .toEqual([
+        'Datasets/isosurfaceSampler > Operators/particles look dataset 0',
+        'Datasets/simsim.eightBalls > Datasets/isosurfaceSampler field 0',
+        'Operators/particles look > Visualizations/view operators 0',
+      ]);
     // Undone by keys to the empty graph, and redone.
     await tabTo(/^Canvas of the graph/);
     for (let i = 0; i < 12; i++) await press('Control+z');
@@ -311,7 +313,7 @@ describe('a user', () => {
       .poll(() => page.locator('.canvas-message').innerText())
       .toBe('gradient gives Volume, and seeds of lines takes Particles.');
     await drag(page, port(page, 'Datasets/gradient', 'out'), port(page, 'Datasets/gradient', 'in:'));
-    expect(await edges(page)).toEqual(FIGURE_EDGES);
+    await expect.poll(() => edges(page)).toEqual(FIGURE_EDGES);
     // A value out of range: at the property and at the node.
     await select(page, 'Datasets/seeds');
     await setProperty(page, 'count', '-5');
@@ -336,7 +338,7 @@ describe('a user', () => {
     await expect.poll(() => card(page, 'Datasets/lines').innerText()).toContain('seeds is not there');
     await page.keyboard.press('Control+z');
     await state(page, 'Datasets/lines', 'done');
-    expect(await edges(page)).toEqual(FIGURE_EDGES);
+    await expect.poll(() => edges(page)).toEqual(FIGURE_EDGES);
     await finish(page);
     dropAll(server);
   });

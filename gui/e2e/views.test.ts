@@ -59,7 +59,9 @@ it('two views are tabs of their own; the one in front is shown, and each closes 
   expect(second.rgba.equals(first.rgba)).toBe(false);
 
   // The first one is not asked for while it is behind, and the second is whole: nothing is rendered.
-  const frames = () => (server.say('stat')['tenants'] as { frames: number }[])[0]?.frames;
+  const tenant = () => (server.say('stat')['tenants'] as Record<string, number>[])[0] ?? {};
+  const frames = () => tenant()['frames'];
+  await expect.poll(() => tenant()['frames in flight']).toBe(0);
   const before = frames();
   await expect.poll(() => page.locator('.view-line[data-whole=true]').count()).toBe(2);
   expect(frames()).toBe(before);
