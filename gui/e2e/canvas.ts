@@ -108,7 +108,7 @@ export async function setProperty(page: Page, key: string, text: string): Promis
  * The canvas shows as much of a graph as can be read. This shows all of it, if an element of it is not well within: near its edges the
  * canvas moves while an edge is dragged.
  */
-async function intoSight(page: Page, of: Locator): Promise<void> {
+export async function intoSight(page: Page, of: Locator): Promise<void> {
   const [box, pane] = [await of.boundingBox(), await paneOf(page)];
   const edge = 36;
   const inner = {

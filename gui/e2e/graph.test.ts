@@ -118,6 +118,13 @@ describe.each([1, 3])('on %i ranks', (ranks) => {
     await state(page, 'Visualizations/view', 'done');
     expect(await texts()).toEqual(before); // with generations and seconds
     await expect.poll(() => edges(page)).toEqual(FIGURE_EDGES);
+    if (ranks === 1) {
+      await page.setViewportSize({ width: 1600, height: 900 });
+      await select(page, 'Datasets/seeds');
+      await page.locator('.react-flow__controls-fitview').click();
+      await whole(page);
+      await page.screenshot({ path: join(inject('pictures'), 'figure1.png') });
+    }
     await finish(page);
     dropAll(server);
   });

@@ -5,7 +5,7 @@ import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
 import { randomNumbers } from '../src/graph/testing';
 import { Browser, canvasOf, openFile, whole } from './browser';
-import { card, openGraphFile, select, state } from './canvas';
+import { card, openGraphFile, select, state, intoSight } from './canvas';
 import { decodePng, type Pixels } from './png';
 import { Server } from './server';
 
@@ -59,7 +59,9 @@ it(`several views in windows of their own close in any order, seed ${inject('see
   await state(main, 'Visualizations/front', 'done');
   const apart: Page[] = [];
   for (const name of VIEWS) {
-    await card(main, `Visualizations/${name}`).locator('.card-title').dblclick();
+    const view = card(main, `Visualizations/${name}`);
+    await intoSight(main, view);
+    await view.locator('.card-title').dblclick();
     await main.getByRole('tab', { name: `apart / ${name}`, selected: true }).waitFor();
     const coming = main.context().waitForEvent('page');
     await main.getByRole('button', { name: /in a window of its own/ }).click();
