@@ -61,8 +61,8 @@ class Graph : public std::enable_shared_from_this<Graph> {
   std::vector<std::string> setDocument(const nlohmann::json& document, const StateReader& readState);
   /// Applies edits (document_edits.h), all or none. Returns `revision`, `inverse` and `warnings`; of edits that were applied before, by
   /// `mark`, their `revision` and `repeated`.
-  nlohmann::json edit(const nlohmann::json& edits, bool live, const std::optional<EditMark>& mark, const Client& by,
-                      const StateReader& readState);
+  nlohmann::json edit(const nlohmann::json& edits, bool live, const std::optional<EditMark>& mark,
+                      const Client& by, const StateReader& readState);
   /// Returns `document`, `revision`, `paused` and `nodes`.
   nlohmann::json describe() const;
   /// Returns what a node's filter has told of its generations from this one on: at most the newest 10,000 of the filter and its
@@ -293,11 +293,12 @@ class Graph : public std::enable_shared_from_this<Graph> {
   };
   std::map<std::string, std::map<uint64_t, ViewWindow>> windows_;  ///< by view
   std::map<uint64_t, std::string> viewOf_;                         ///< by window
-  std::map<std::string, Clock::time_point> left_;  ///< views without a window, and until when what runs for them goes on
-  std::map<std::string, Shown> shown_;                             ///< by view
-  std::map<std::string, Series> series_;                           ///< by node
-  std::map<std::string, Writing> writing_;                         ///< outputs that are being made
-  std::map<std::string, OutputJob> due_;                           ///< outputs that are to be made next
+  std::map<std::string, Clock::time_point>
+      left_;                            ///< views without a window, and until when what runs for them goes on
+  std::map<std::string, Shown> shown_;  ///< by view
+  std::map<std::string, Series> series_;        ///< by node
+  std::map<std::string, Writing> writing_;      ///< outputs that are being made
+  std::map<std::string, OutputJob> due_;        ///< outputs that are to be made next
   std::map<std::string, Written> written_;      ///< outputs that were made, or could not be
   std::map<std::string, Published> published_;  ///< by output
   std::map<uint64_t, Watcher> watchers_;        ///< by session

@@ -184,9 +184,9 @@ TEST(Graph, AnEditThatIsSentTwiceCountsOnce) {
   GraphClient ann(*server), bob(*server);
   ann.say(newGraph(json::array()));
   const auto send = [](GraphClient& client, const std::string& who, int number, const char* to) {
-    return client.say("graph.edit g " + json{{"edits", {{{"add", json::array({"notes"})}, {"to", to}}}},
-                                             {"once", {who, number}}}
-                                            .dump());
+    return client.say(
+        "graph.edit g " +
+        json{{"edits", {{{"add", json::array({"notes"})}, {"to", to}}}}, {"once", {who, number}}}.dump());
   };
   EXPECT_EQ(send(ann, "ann", 0, "a0").at("revision"), 2);
   EXPECT_EQ(send(bob, "bob", 0, "b0").at("revision"), 3);

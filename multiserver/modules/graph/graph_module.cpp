@@ -100,8 +100,8 @@ json numbers(Graphs& graphs, Request& request, Arguments arguments) {
 std::optional<EditMark> markIn(const json& what) {
   const auto once = what.find("once");
   if (once == what.end()) return {};
-  const bool isPair = once->is_array() && once->size() == 2 && once->at(0).is_string() &&
-                      once->at(1).is_number_unsigned();
+  const bool isPair =
+      once->is_array() && once->size() == 2 && once->at(0).is_string() && once->at(1).is_number_unsigned();
   const std::string who = isPair ? once->at(0).get<std::string>() : "";
   if (who.empty() || who.size() > EditMark::kLongest)
     throw Error("edit: `once`: expected [text of 1 to " + std::to_string(EditMark::kLongest) +
