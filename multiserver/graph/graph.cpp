@@ -285,10 +285,8 @@ void Graph::hide(uint64_t window) {
   auto& windows = windows_[view];
   windows.erase(window);
   const bool isShown = !windows.empty();
-  if (!isShown) {
-    windows_.erase(view);
-    shown_.erase(view);
-  }
+  if (!isShown) windows_.erase(view);
+  if (isEnded_ && !isShown) shown_.erase(view);
   if (isEnded_) return;
   if (isShown)
     flow_.show(view, isFollowed(view));
@@ -314,6 +312,7 @@ void Graph::forgetLeft() {
       continue;
     }
     flow_.hide(it->first);
+    shown_.erase(it->first);
     it = left_.erase(it);
   }
 }
@@ -323,6 +322,7 @@ void Graph::follow(const std::pair<std::string, std::string>& renamed) {
   const auto& [from, to] = renamed;
   auto windows = windows_.extract(from);
   if (windows.empty()) return;
+  left_.erase(to);
   for (auto& [number, window] : windows.mapped()) {
     viewOf_[number] = to;
     windows_[to][number] = std::move(window);

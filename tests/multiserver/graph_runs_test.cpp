@@ -63,6 +63,23 @@ TEST(GraphRuns, WhatRunsForAViewWithoutAWindowGoesOnAndIsFoundAgain) {
   EXPECT_EQ(Held::gate().begun, 2);
 }
 
+TEST(GraphRuns, AViewThatIsShownAgainHasItsPictureWhileOthersRun) {
+  const auto server = serveGraphs(2);
+  GraphClient c(*server);
+  c.say(importBall("ball"));
+  c.say(newGraph({liveVolume("ball"), copyOf("copy", "ball")},
+                 json::array({viewOf("v", {"ball"}), viewOf("w", {"copy"})})));
+  c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
+  c.untilState("v", "done", "view");
+  Held::gate().shut = true;
+  c.say(R"(viewer.show 2 {"graph": "g", "view": "w"})");
+  untilBegun(2);
+  c.say("close 1");
+  c.say(R"(viewer.show 1 {"graph": "g", "view": "v"})");
+  EXPECT_EQ(c.screen.waitFor(1, c.say("render 1").at("frame")).status, "complete");
+  Held::gate().shut = false;
+}
+
 TEST(GraphRuns, WhatRunsForAViewWithoutAWindowEndsAfterAWhile) {
   ServerRankOptions options;
   options.leftViewsFor = std::chrono::milliseconds(20);

@@ -262,8 +262,7 @@ function Canvas() {
     const chosen = withSelection(useGraphStore.getState().selection, changes);
     if (chosen) select(chosen);
     const others = changes.filter((c) => c.type !== 'select');
-    for (const c of others)
-      if (c.type === 'dimensions' && c.dimensions) cardSizes.set(c.id, c.dimensions);
+    for (const c of others) if (c.type === 'dimensions' && c.dimensions) cardSizes.set(c.id, c.dimensions);
     if (others.length > 0) setCards((before) => applyNodeChanges(others, before));
     // The keys of a node that is focused move it, too; a drag ends in endDrag().
     const byKey = changes.flatMap((c): [string, Position][] =>

@@ -64,6 +64,8 @@ export class SharedDocument {
     const isOrdered = (p: Pending): boolean => p.revision !== undefined && p.revision <= revision;
     const known = this.pending.filter(isOrdered).reduce((d, p) => this.takeOrdered(p, d), this.base);
     this.history.others(difference(known, document), known);
+    // A graph that was made anew has none of the edits of before.
+    if (revision < this.baseRevision) for (const p of this.pending) delete p.revision;
     this.base = document;
     this.baseRevision = revision;
     this.show();

@@ -100,7 +100,8 @@ export function CinemaForm({ view, onClose }: { readonly view: View; readonly on
   const isChosen = axes.some((axis) => axis.isChosen);
   const isWhole = isChosen && to !== '' && [...problems, ...axes.map(axisProblem)].every((p) => p === '');
   const { request, reason } = isWhole ? requestOf(view, detail, axes, to) : NOTHING;
-  const { pictures, problem } = useCount(request);
+  const { pictures: counted, problem } = useCount(request);
+  const pictures = request ? counted : 0; // While a field is wrong, there is nothing to count.
   const measured = useMeasured(view);
   const all = pictures * (request?.steps ?? 1);
   const why = reason || problem || (isChosen ? '' : 'Choose at least one thing to vary.');

@@ -31,6 +31,7 @@ export interface Seen {
 
 const REST = 250; // After so many milliseconds without a new camera, the camera rests.
 const UNDER_WAY = 2;
+const DATA_AGAIN = 1000; // After so many milliseconds it is asked again whether a graph has data to fit the camera to.
 const MOVING_TILE = 512; // Browsers decode few large JPEGs faster than many small ones.
 
 /**
@@ -250,21 +251,25 @@ export class RemoteWindow {
     this.cameras = new FrameCameras();
     this.frame = NO_FRAME;
     this.changed();
-    this.askToShow(shown, setting.signal).then(
-      () => {
-        if (!setting.signal.aborted) this.begin();
-      },
-      (error: unknown) => {
-        if (setting.signal.aborted) return;
-        const text = error instanceof Error ? error.message : String(error);
-        const isWaiting = error instanceof NothingThereYet;
-        [this.setError, this.progress] = isWaiting ? ['', text] : [text, ''];
-        this.changed();
-        // A document stays wrong. A graph or its view may be made again.
-        if (shown.kind === 'graph')
-          this.setUpTimer = setTimeout(this.setUp.bind(this), refusedDelay(this.failures++));
-      },
-    );
+    const begin = (): void => {
+      if (!setting.signal.aborted) this.begin();
+    };
+    const failed = (error: unknown): void => {
+      if (setting.signal.aborted) return;
+      const text = error instanceof Error ? error.message : String(error);
+      const isWaiting = error instanceof NothingThereYet;
+      [this.setError, this.progress] = isWaiting ? ['', text] : [text, ''];
+      this.changed();
+      // A document stays wrong. A graph or its view may be made again.
+      if (isWaiting) this.setUpTimer = setTimeout(askAgain, DATA_AGAIN);
+      else if (shown.kind === 'graph')
+        this.setUpTimer = setTimeout(this.setUp.bind(this), refusedDelay(this.failures++));
+    };
+    const askAgain = (): void => {
+      if (this.hidden) this.setUpTimer = setTimeout(askAgain, DATA_AGAIN);
+      else this.askForBox().then(begin, failed);
+    };
+    this.askToShow(shown, setting.signal).then(begin, failed);
   }
 
   private async askToShow(shown: Shown, signal: AbortSignal): Promise<void> {
@@ -312,7 +317,7 @@ export class RemoteWindow {
     const { width, height } = this.size;
     this.told = statement('viewer.window', [this.id], {
       size: [width, height],
-      follow: !this.hidden && !this.held,
+      follow: !this.hidden && !(this.held && this.shown?.kind === 'document'), // The graph holds its views.
     });
     return this.told;
   }
