@@ -270,6 +270,17 @@ describe('a shared document', () => {
 });
 
 describe('after a loss of the connection', () => {
+  it('an edit that a server of before has taken is sent to a graph that was made anew', () => {
+    const ann = new SharedDocument();
+    ann.reset(start, 56);
+    ann.add({ edits: [{ add: ['Datasets'], to: seeds('mine') }] });
+    ann.next();
+    ann.accepted(57); // Its event does not come any more.
+    expect(ann.next()).toBeUndefined();
+    ann.reset(start, 1);
+    expect(ann.next()?.edits).toEqual([{ add: ['Datasets'], to: seeds('mine') }]);
+  });
+
   const look = (client: SharedDocument): unknown => client.shown['looks'];
 
   it('an edit without a reply is carried out once, although others have edited as well', () => {
