@@ -375,6 +375,55 @@ describe('a user', () => {
     dropAll(server);
   });
 
+  it('finds nodes, commands and data by Ctrl+K, and brings a node into sight', async () => {
+    const page = await opened(server);
+    await openGraphFile(page, figure1);
+    await state(page, 'Datasets/lines', 'done');
+    await page.locator('.picture').first().focus();
+    const search = async (words: string): Promise<void> => {
+      await page.keyboard.press('Control+k');
+      await page.getByRole('combobox', { name: 'Search commands, nodes, views and data' }).fill(words);
+    };
+    await search('lin');
+    await page.screenshot({ path: join(inject('pictures'), 'search.png') });
+    expect(await seriousFindings(page)).toEqual([]);
+    await page.keyboard.press('Escape');
+    await expect
+      .poll(() =>
+        page
+          .locator('.picture')
+          .first()
+          .evaluate((e) => e === document.activeElement),
+      )
+      .toBe(true);
+    // The canvas is moved far away: the node comes back into it, selected, with the focus.
+    const canvas = await page.locator('.graph-canvas').boundingBox();
+    if (!canvas) throw new Error('the graph is not shown');
+    await page.mouse.move(canvas.x + 20, canvas.y + canvas.height - 60);
+    await page.mouse.down();
+    await page.mouse.move(canvas.x + 20, canvas.y + canvas.height + 4000, { steps: 5 });
+    await page.mouse.up();
+    await search('nodes lines');
+    await page.keyboard.press('Enter');
+    const node = card(page, 'Datasets/lines');
+    await expect.poll(() => node.evaluate((e) => e === document.activeElement)).toBe(true);
+    await expect.poll(() => node.getAttribute('class')).toContain('selected');
+    await expect
+      .poll(async () => {
+        const box = await node.boundingBox();
+        return box !== null && box.y > canvas.y && box.y + box.height < canvas.y + canvas.height;
+      })
+      .toBe(true);
+    await search('help');
+    await page.keyboard.press('Enter');
+    await page.getByRole('dialog', { name: 'Mouse and keys' }).getByRole('button', { name: 'Close' }).click();
+    await search('show in a view eightBalls');
+    await page.keyboard.press('Enter');
+    await page.getByRole('tab', { name: 'simsim.eightBalls', exact: true }).waitFor();
+    await finish(page);
+    dropAll(server);
+  });
+
   it('sees what another edits, and undoes own edits only', async () => {
     const [ann, bob] = [await opened(server), await opened(server)];
     await openGraphFile(ann, figure1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: which part is at which place.
-import { useEffect, useState } from 'react';
+import { useCallback, useEffect, useState } from 'react';
 import { showDataset, showFile } from '../canvas/actions';
 import { GraphArea } from '../canvas/graph_area';
 import { useGraphStore } from '../canvas/graph_store';
@@ -16,6 +16,7 @@ import { ConnectPage, ConnectionStatus, LossBar } from './connection_state';
 import { Help } from './help';
 import { Layout } from './layout';
 import { NoticeList } from './notice_list';
+import { Search } from './search';
 import { useConnectionState, useServer } from './server';
 import { Toolbar } from './toolbar';
 import { viewIn } from './view_address';
@@ -26,8 +27,19 @@ export function App() {
   const server = useServer();
   const isGraphOpen = useGraphStore(({ session }) => session !== undefined);
   const [help, setHelp] = useState(false);
+  const [search, setSearch] = useState(false);
+  const showHelp = useCallback(() => setHelp(true), []);
   const [own] = useState(() => viewIn(location.hash)); // The view that this window is for.
   useEffect(() => watchSteps(server), [server]);
+  useEffect(() => {
+    const look = (event: KeyboardEvent): void => {
+      if (event.key.toLowerCase() !== 'k' || !(event.ctrlKey || event.metaKey) || event.altKey) return;
+      event.preventDefault();
+      if (!document.querySelector('dialog[open]')) setSearch(true);
+    };
+    document.addEventListener('keydown', look);
+    return () => document.removeEventListener('keydown', look);
+  }, []);
   if (state.kind === 'locked' && !state.before) return <ConnectPage problem={state.problem} />;
 
   function onKey(key: string, view: View): boolean {
@@ -61,11 +73,7 @@ export function App() {
         top={
           <>
             <LossBar />
-            <Toolbar
-              onHelp={() => {
-                setHelp(true);
-              }}
-            />
+            <Toolbar onHelp={showHelp} onSearch={() => setSearch(true)} />
           </>
         }
         graph={<GraphArea connection={server} />}
@@ -92,6 +100,7 @@ export function App() {
       />
       <NoticeList />
       <OutForms />
+      {search && <Search onHelp={showHelp} onClose={() => setSearch(false)} />}
       {help && (
         <Help
           onClose={() => {

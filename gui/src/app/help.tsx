@@ -2,6 +2,7 @@
 import { useEffect, useRef } from 'react';
 import { CANVAS_KEYS } from '../canvas/keys';
 import { KEYS } from '../view/keys';
+import { keyText } from './search_items';
 
 const MOUSE = [
   ['left drag', 'rotate about the middle'],
@@ -20,9 +21,9 @@ const PAGE = [
   ['P', 'save the picture in any size, with or without what stands over it'],
   ['m', 'have the server make many pictures: a Cinema database'],
   ['w', 'save the state file, with the camera of now'],
+  ['Ctrl + K', 'search commands, nodes, views and data'],
   ['?, h', 'this help'],
 ] as const;
-const SYMBOLS: Record<string, string> = { ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓' };
 
 /** What mouse and keys do in a view, and in the graph. */
 export function Help({ onClose }: { onClose: () => void }) {
@@ -30,9 +31,7 @@ export function Help({ onClose }: { onClose: () => void }) {
   useEffect(() => {
     dialog.current?.showModal();
   }, []);
-  const keys = KEYS.map(
-    ({ keys: all, help }) => [all.map((key) => SYMBOLS[key] ?? key).join(' '), help] as const,
-  );
+  const keys = KEYS.map(({ keys: all, help }) => [all.map(keyText).join(' '), help] as const);
   return (
     <dialog ref={dialog} className="help" aria-label="Mouse and keys" onClose={onClose}>
       <button type="button" className="help-close" autoFocus onClick={() => dialog.current?.close()}>

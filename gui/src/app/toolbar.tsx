@@ -7,7 +7,7 @@ import { useServer } from './server';
 import { useTheme } from './theme';
 
 /** The page's buttons, above the views. */
-export function Toolbar({ onHelp }: { onHelp: () => void }) {
+export function Toolbar({ onHelp, onSearch }: { onHelp: () => void; onSearch: () => void }) {
   const server = useServer();
   const file = useRef<HTMLInputElement>(null);
   const view = useViews(({ views, active }) => views.find(({ id }) => id === active));
@@ -69,6 +69,9 @@ export function Toolbar({ onHelp }: { onHelp: () => void }) {
         Cinema
       </button>
       <span className="space" />
+      <button type="button" title="Commands, nodes, views and data (Ctrl+K)" onClick={onSearch}>
+        Search
+      </button>
       <button type="button" onClick={next}>
         Theme: {theme}
       </button>

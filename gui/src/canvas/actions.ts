@@ -284,6 +284,14 @@ export function pasted(text: string, offset: Position = [40, 40]): boolean {
   return true;
 }
 
+/** Gives the focus to a node's card, once it is drawn. */
+export function focusCard(id: string): void {
+  setTimeout(() => {
+    const cards = document.querySelectorAll<HTMLElement>('.react-flow__node');
+    [...cards].find((card) => card.dataset['id'] === id)?.focus({ preventScroll: true });
+  }, 50);
+}
+
 const titleFor = (graph: string, view: string): string => `${graph} / ${view}`;
 
 /** Shows a view of the graph that is open in the view area. */

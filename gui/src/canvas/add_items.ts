@@ -11,6 +11,7 @@ import {
 import type { Section } from '../graph/edits';
 import type { JsonObject } from '../graph/json';
 import type { LiveDataset } from './graph_store';
+import { withWords } from './menu_item';
 
 export interface AddItem {
   readonly group: string;
@@ -170,13 +171,4 @@ function filesCalled(path: string): readonly AddItem[] {
 export function matching(items: readonly AddItem[], typed: string): readonly AddItem[] {
   const path = typed.trim();
   return [...withWords(items, typed), ...(/[^.]\.[A-Za-z0-9]+$/.test(path) ? filesCalled(path) : [])];
-}
-
-function withWords(items: readonly AddItem[], typed: string): readonly AddItem[] {
-  const words = typed.toLowerCase().split(/\s+/).filter(Boolean);
-  const found = items.filter((item) =>
-    words.every((word) => `${item.label} ${item.group}`.toLowerCase().includes(word)),
-  );
-  const begins = (item: AddItem): boolean => item.label.toLowerCase().startsWith(words[0] ?? '');
-  return words.length === 0 ? found : [...found.filter(begins), ...found.filter((item) => !begins(item))];
 }

@@ -31,6 +31,13 @@ async function openFile(file: File): Promise<void> {
   await newGraph(freeName(names, name || 'graph'), document as WireObject);
 }
 
+/** Makes an empty graph and opens it. */
+export function freshGraph(): void {
+  const { graphs, say } = useGraphStore.getState();
+  const names = graphs.map((g) => g.name);
+  newGraph(freeName(names, 'graph')).catch((error: unknown) => say(messageOf(error)));
+}
+
 function GraphChoice() {
   const { graphs, session } = useGraphStore();
   const isListed = graphs.some((g) => g.name === session?.name);
@@ -105,7 +112,7 @@ function Others({ clients }: { readonly clients: readonly string[] }) {
 }
 
 export function GraphBar() {
-  const { session, graphs, say } = useGraphStore();
+  const { session, say } = useGraphStore();
   const snapshot = useSnapshot();
   const file = useRef<HTMLInputElement>(null);
   const [isDropping, setDropping] = useState(false);
@@ -114,20 +121,7 @@ export function GraphBar() {
   return (
     <div className="graph-bar" role="toolbar" aria-label="Graph">
       <GraphChoice />
-      <button
-        type="button"
-        {...editing(isViewOnly)}
-        onClick={() =>
-          attempt(
-            newGraph(
-              freeName(
-                graphs.map((g) => g.name),
-                'graph',
-              ),
-            ),
-          )
-        }
-      >
+      <button type="button" {...editing(isViewOnly)} onClick={freshGraph}>
         New
       </button>
       <input

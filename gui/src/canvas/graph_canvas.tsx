@@ -34,6 +34,7 @@ import {
   cardSizes,
   connectNodes,
   copied,
+  focusCard,
   insertNode,
   move,
   openView,
@@ -47,7 +48,8 @@ import './canvas.css';
 import { useNodeGraph, useSnapshot, useGraphStore } from './graph_store';
 import { onCanvasKey, portOf } from './keys';
 import { arranged, placesFor } from './layout';
-import { Menu, type MenuItem } from './menu';
+import { Menu } from './menu';
+import { withWords } from './menu_item';
 import { beginDragging, endDragging } from './fitting_ports';
 import { type CardData, type CardNode, NodeCard } from './node_card';
 import { portItems } from './ports_menu';
@@ -316,20 +318,14 @@ function Canvas() {
       onChoose={(item) => {
         const id = addItem(item, opened.place as AddPlace);
         close();
-        // Keys go on at the new node, once it is drawn.
-        setTimeout(() => {
-          const card = [...document.querySelectorAll<HTMLElement>('.react-flow__node')].find(
-            (e) => e.dataset['id'] === id,
-          );
-          card?.focus({ preventScroll: true });
-        }, 50);
+        focusCard(id); // Keys go on at the new node.
       }}
     />
   ) : opened?.port ? (
     <Menu
       name={opened.port.name === OUTPUT ? 'Connect this output to' : 'Connect this input with'}
       at={opened}
-      items={(typed) => withText(portItems(graph, opened.port?.id ?? '', opened.port?.name ?? ''), typed)}
+      items={(typed) => withWords(portItems(graph, opened.port?.id ?? '', opened.port?.name ?? ''), typed)}
       onClose={close}
       onChoose={(item) => {
         connectNodes(item.source, item.target, item.input);
@@ -453,11 +449,6 @@ function withSelection(
 
 function isTyping(target: EventTarget): boolean {
   return target instanceof Element && target.closest('input, textarea, select, [contenteditable]') !== null;
-}
-
-function withText<Item extends MenuItem>(items: readonly Item[], typed: string): readonly Item[] {
-  const words = typed.toLowerCase().split(/\s+/).filter(Boolean);
-  return items.filter((item) => words.every((word) => item.label.toLowerCase().includes(word)));
 }
 
 export function GraphCanvas() {

@@ -31,10 +31,13 @@ interface GraphStore {
   readonly live: readonly LiveDataset[];
   readonly session: GraphSession | undefined;
   readonly selection: readonly string[];
+  /** The node that the canvas is to bring into sight. */
+  readonly sought: string | undefined;
   /** The last thing that could not be done, for people. */
   readonly message: string;
   setLive: (live: readonly LiveDataset[]) => void;
   select: (ids: readonly string[]) => void;
+  seek: (id: string | undefined) => void;
   say: (message: string) => void;
 }
 
@@ -45,9 +48,11 @@ export const useGraphStore = create<GraphStore>((set) => ({
   live: [],
   session: undefined,
   selection: [],
+  sought: undefined,
   message: '',
   setLive: (live) => set({ live }),
   select: (selection) => set({ selection }),
+  seek: (sought) => set({ sought }),
   say: (message) => set({ message }),
 }));
 

@@ -3,13 +3,7 @@
 // The keys are those of a combobox: arrows, Enter, Escape.
 import { type KeyboardEvent, useEffect, useId, useRef, useState } from 'react';
 import { Foreign } from '../app/foreign';
-
-export interface MenuItem {
-  readonly key: string;
-  readonly group: string;
-  readonly label: string;
-  readonly help: string;
-}
+import type { MenuItem } from './menu_item';
 
 interface MenuProps<Item extends MenuItem> {
   readonly name: string;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an output or an input can be connected with: the list that the key `c` opens at a port.
 import { type NodeGraph, edgeProblem } from '../graph/nodes';
-import type { MenuItem } from './menu';
+import type { MenuItem } from './menu_item';
 import { INPUT, titleOf } from './titles';
 
 export interface PortItem extends MenuItem {

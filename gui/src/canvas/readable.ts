@@ -4,7 +4,8 @@ import { MARGIN, type Rect, type Size, type Viewport, inSight } from './room';
 
 const LEAST_TEXT = 12; // pixels of text that can be read
 const TEXT = 14; // of cards at zoom 1, in canvas.css
-const READABLE = LEAST_TEXT / TEXT;
+/** The least zoom at which it can be read. */
+export const READABLE = LEAST_TEXT / TEXT;
 
 /**
  * The whole graph in the canvas, if its text can be read then. Else it is as small as can be read, and `focus` is in sight; the other

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What of the graph the canvas shows: all of it, or as much as can be read, until the user moves or zooms the canvas; and always the
-// nodes that the user has just added.
+// nodes that the user has just added or has searched for.
 import { useNodesInitialized, useReactFlow, useStore } from '@xyflow/react';
 import { useCallback, useEffect, useRef } from 'react';
 import type { NodeGraph } from '../graph/nodes';
 import type { GraphSession } from '../graph/session';
 import type { CardNode } from './node_card';
-import { readableViewport } from './readable';
+import { useGraphStore } from './graph_store';
+import { READABLE, readableViewport } from './readable';
 import { type Rect, boundsOf, inSight } from './room';
 
 /**
@@ -104,6 +105,18 @@ export function useSight(
     if (fitted.current === 'no') void flow.setViewport(wanted);
     else fit();
   }, [isDrawn, graph, session, selection, selectedHeight, flow, width, height, fit, rectsOf]);
+
+  // A node that was searched for comes into the middle, large enough to be read.
+  const { sought, seek } = useGraphStore();
+  useEffect(() => {
+    const card = sought === undefined ? undefined : flow.getNode(sought);
+    if (!card) return;
+    seek(undefined);
+    fitted.current = 'no';
+    const { width: w = 0, height: h = 0 } = card.measured ?? {};
+    const zoom = Math.max(flow.getZoom(), READABLE);
+    void flow.setCenter(card.position.x + w / 2, card.position.y + h / 2, { zoom });
+  }, [sought, seek, flow]);
 
   return { fit, fitAll, release };
 }
