@@ -14,7 +14,7 @@
 #define SPEC_SAMPLE_KIND 1  // SAMPLE_* of all volumes; -1: they differ
 #define SPEC_SCALARS 2      // whether all volumes have one component
 #define SPEC_SURFACES 3     // bits SURFACE_*: surfaces to shade, or to hit
-#define SPEC_ANY_HIT 4      // whether rays only ask if geometry is in their way
+#define SPEC_ANY_HIT 4      // whether rays only ask if a surface is in their way
 #define SPEC_BY_CELLS 5     // whether some plans go cell by cell
 #define SPEC_LIMITED 6     // whether the device ends an invocation's loops after some rounds (resumable.glsl)
 #define SPEC_MAP_KIND 7    // MAP_KIND_* of all maps; -1: they differ

@@ -190,7 +190,7 @@ class EmbreeScene::Packet {
         part_(part),
         frame_(frame),
         primary_(primary),
-        firstHit_(primary || frame.sampling) {}
+        anyHit_(!primary && !frame.sampling && scene.scene_->opaqueSurfaces) {}
 
   TraceResult trace(RayList rays) {
     const int start = rays.size();
@@ -223,7 +223,7 @@ class EmbreeScene::Packet {
     if (!part_.treeViews.empty()) {
       Stopwatch time(c.nsGeometry);
       c.runs(Kernel::Geometry)++;
-      ispc::hitGeometry(&part_.view, &view, n, !firstHit_ && scene_.scene_->opaqueSurfaces);
+      ispc::hitGeometry(&part_.view, &view, n, anyHit_);
     }
     const CompiledScene& scene = *scene_.scene_;
     if (!scene.sliced.empty() || !scene.isosurfaces.empty()) {
@@ -237,7 +237,7 @@ class EmbreeScene::Packet {
       for (int op : scene.isosurfaces)
         if (part_.fields[op].isoMask) {
           c.runs(Kernel::Isosurfaces)++;
-          ispc::hitIsosurfaces(&part_.view, &view, n, op, counts);
+          ispc::hitIsosurfaces(&part_.view, &view, n, op, anyHit_, counts);
         }
       c.cells += uint64_t(counts[0]);
       c.isoMacrocellsSkipped += uint64_t(counts[1]);
@@ -365,7 +365,7 @@ class EmbreeScene::Packet {
   const PartitionViews& part_;
   const EmbreeFrame& frame_;
   const bool primary_;
-  const bool firstHit_;  ///< rays want the first surface that they meet, and not any
+  const bool anyHit_;  ///< rays only ask whether they meet a surface
   TraceResult result_;
   std::vector<int32_t> sums_;
   std::vector<RayList> secondaries_;

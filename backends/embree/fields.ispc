@@ -38,8 +38,10 @@ EXPORT void hitSlices(const void* uniform scene, void* uniform rays, uniform int
   }
 }
 
+// Finds each ray's nearest hit with the isosurfaces of one operator. With anyHit, rays that meet one just
+// become opaque (A = 1), as in hitGeometry.
 EXPORT void hitIsosurfaces(const void* uniform scene, void* uniform rays, uniform int n, uniform int op,
-                           uniform int64 counts[]) {
+                           uniform bool anyHit, uniform int64 counts[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   CLIPS clips = s.operator_[op].clips;
@@ -54,11 +56,17 @@ EXPORT void hitIsosurfaces(const void* uniform scene, void* uniform rays, unifor
       start.from = RAY_SIDE(r.info[i]) != 0 ? 1 : -1;
     }
     // Nothing to find for a ray that is blocked.
-    float tOut = r.A[i] < 1.0f ? min(r.tOut[i], r.tEnd[i]) : -1.0f;
+    bool blocked = r.A[i] >= 1.0f || (anyHit && r.tHit[i] < NO_HIT);
+    float tOut = blocked ? -1.0f : min(r.tOut[i], r.tEnd[i]);
     float tLast = behindLast(lastHit(s, r, i), op, ISOSURFACES);
-    IsoHit hit =
-      hitIsosurface(clips, v, originOf(r, i), directionOf(r, i), r.tIn[i], tOut, tLast, r.tHit[i], start, cells, skipped);
-    if (hit.t < NO_HIT) takeHit(r, i, hit.t, HIT_ISOSURFACE, op, hit.index);
+    vec3 o = originOf(r, i), d = directionOf(r, i);
+    if (anyHit) {
+      IsoHit hit = hitIsosurface(clips, v, o, d, r.tIn[i], tOut, tLast, r.tHit[i], start, true, cells, skipped);
+      if (hit.t < NO_HIT) r.A[i] = 1.0f;
+    } else {
+      IsoHit hit = hitIsosurface(clips, v, o, d, r.tIn[i], tOut, tLast, r.tHit[i], start, false, cells, skipped);
+      if (hit.t < NO_HIT) takeHit(r, i, hit.t, HIT_ISOSURFACE, op, hit.index);
+    }
   }
   counts[0] += reduce_add((int64)cells);
   counts[1] += reduce_add((int64)skipped);

@@ -85,7 +85,7 @@ Special specialFor(Stage stage, const Special& special) {
   if (stage == Stage::Shade || stage == Stage::Geometry) s.surfaces = special.surfaces;
   if (stage == Stage::Isosurfaces) s.surfaces = special.surfaces & SURFACE_STARTS;
   if (stage == Stage::IntegrateMesh) s.surfaces = special.surfaces & SURFACE_HEXES;
-  if (stage == Stage::Geometry) s.anyHit = special.anyHit;
+  if (stage == Stage::Geometry || stage == Stage::Isosurfaces) s.anyHit = special.anyHit;
   if (stage == Stage::Integrate || stage == Stage::IntegrateMesh) s.mapAhead = special.mapAhead;
   if (stage == Stage::Integrate || stage == Stage::IntegrateVolumes) s.byCells = special.byCells;
   return s;

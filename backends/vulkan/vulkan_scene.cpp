@@ -303,16 +303,18 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartitionOnDevice& pa
   if (rays < 0) add(Stage::Groups, special);
   if (!complete) add(Stage::Regenerate, special);
   add(Stage::Bound, special);
+  const uint32_t anyHit = !primary && !frame.sampling && scene_->opaqueSurfaces;
   if (part.geometryKinds != 0) {
     Special meets = special;
     meets.surfaces = part.geometryKinds | clipped | (context_->countsNodes ? SURFACE_COUNTS : 0);
-    meets.anyHit = !primary && !frame.sampling && scene_->opaqueSurfaces;
+    meets.anyHit = anyHit;
     add(Stage::Geometry, meets);
   }
   for (int op : scene_->sliced)
     if (isHere(op)) add(Stage::Slices, special, op);
   Special crosses = special;
   crosses.surfaces = primary ? 0 : SURFACE_STARTS;
+  crosses.anyHit = anyHit;
   for (int op : scene_->isosurfaces)
     if (part.hasIsosurface[size_t(op)]) add(Stage::Isosurfaces, crosses, op);
   const std::vector<int32_t>& volumes = scene_->rendered;

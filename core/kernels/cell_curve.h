@@ -397,6 +397,11 @@ FN bool dependsOnCellBefore(vec4 cubic, int side, bool starts) {
   return cubic.x == R(0.0) || (side != 0 && !starts);
 }
 
+// Whether a cubic passes 0 between its ends, neither of which is a touch.
+FN bool changesSign(vec4 cubic) {
+  return (cubic.x < R(0.0) && cubic.w >= R(0.0)) || (cubic.x > R(0.0) && cubic.w <= R(0.0));
+}
+
 // The bracket of the first crossing of a cubic over [ta, tb] at or after parameter `done` (firstBracket), for a ray that comes from no
 // cell with data (`entry`) or from one, on the given side.
 FN Bracket crossingInCell(vec4 cubic, real ta, real done, bool entry, int side, bool starts, real tIn,

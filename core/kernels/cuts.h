@@ -43,7 +43,7 @@ FN real hitStep(VOLUME v, VolumeRay ray, real every, real tIn, real tOut, real t
 
 // The first isosurface at t in [tIn, tOut) that is greater than tLast and not behind tHit.
 FN IsoHit hitIsosurface(CLIPS clips, VOLUME v, vec3 o, vec3 d, real tIn, real tOut, real tLast, real tHit,
-                        IsoStart start, INOUT(int) cells, INOUT(int) skipped) {
+                        IsoStart start, UNIFORM bool anyHit, INOUT(int) cells, INOUT(int) skipped) {
   real clip0, clip1;
   clipInterval(clips, o, d, clip0, clip1);
   VolumeRay ray = volumeRay(v, o, d, R(0.0), R(1e30));
@@ -51,7 +51,7 @@ FN IsoHit hitIsosurface(CLIPS clips, VOLUME v, vec3 o, vec3 d, real tIn, real tO
   // its end.
   real kept = clip1 < R(0.0) ? R(-1.0) : asReal(asUint(max(clip1, R(1e-30))) + 1u);
   real to = min(min(tOut, tHit * R(1.0000005)), kept);
-  IsoHit hit = firstIsosurface(v, ray, max(tIn, clip0), to, tLast, start, cells, skipped);
+  IsoHit hit = isosurfaceAlong(v, ray, max(tIn, clip0), to, tLast, start, anyHit, cells, skipped);
   if (!(hit.t < tOut)) hit.t = NO_HIT;
   return hit;
 }

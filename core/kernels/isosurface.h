@@ -70,18 +70,33 @@ FN bool cellHoldsData(VOLUME v, ivec3 c) {
 // Otherwise no isovalue passes, neither in m nor in the aligned cube of 2^-isoBlock macrocells a side around
 // it.
 FN int isoBlock(VOLUME v, ivec3 m) { return isoWord(v, macroIndex(v, m)); }
-// 1 if an isovalue may pass through that cell of a macrocell, by its bit, otherwise 0.
-FN int isoCell(VOLUME v, int block, int x, int y, int z) {
-  int at = x | (y << 3) | (z << 6);
-  int bits = isoWord(v, block + (at >> 5));
-  return (bits >> (at & 31)) & 1;
+
+// The place of a cell in its macrocell, or one step outside of it: x + 8, y + 8 and z + 8 in 5 bits each. So
+// a walk adds what it steps on all axes at once, and no axis borrows from another.
+#define PLACE_Y 5
+#define PLACE_Z 10
+#define PLACE_INSIDE 0x2108  // what all places in the macrocell have in PLACE_OUTER
+#define PLACE_OUTER 0x6318
+#define PLACE_INNER 0x1ce7
+FN int placeIn(int x, int y, int z) { return PLACE_INSIDE + (x + (y << PLACE_Y) + (z << PLACE_Z)); }
+FN bool isOutside(int place) { return (place & PLACE_OUTER) != PLACE_INSIDE; }
+// The cell of an axis in its macrocell, and by how many macrocells the place is outside; its part of the place
+// begins at bit `bits`.
+FN int cellOnAxis(int place, UNIFORM int bits) { return (place >> bits) & 7; }
+FN int macrocellsOff(int place, UNIFORM int bits) { return ((place >> (bits + 3)) & 3) - 1; }
+FN int placeBack(int place) { return (place & PLACE_INNER) | PLACE_INSIDE; }
+// 1 if an isovalue may pass through the cell at a place in a macrocell, by its bit, otherwise 0.
+FN int isoCell(VOLUME v, int block, int place) {
+  int bits = isoWord(v, block + (((place >> 9) & 14) | ((place >> 7) & 1)));
+  return (bits >> ((place & 7) | ((place >> 2) & 24))) & 1;
 }
 
 // The first isosurface in one cell, which the ray crosses between ta and tb. Of the isovalues from `first` on
 // it is the first whose cubic has a crossing, for isovalue `first` at or behind `done`. The result has the
-// cubic and the crossing's bracket; index = v.isovalues if there is none.
+// cubic and the crossing's bracket; index = v.isovalues if there is none. With `anyHit`, the bracket may be the
+// whole of the cell, because any crossing will do.
 FN IsoCrossing cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, real tb, int first, real done,
-                            real tIn, real tOut, real tAfter, IsoStart start) {
+                            real tIn, real tOut, real tAfter, IsoStart start, bool anyHit) {
   CellValues k = cellValues(v, c);
   real lo = minCorner(k), hi = maxCorner(k);
   vec3 near = make_v3(planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x),
@@ -115,10 +130,13 @@ FN IsoCrossing cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, r
                        near.z >= ta ? c.z + 1 - up.z - up.z : c.z));
         if (entry && !starts) side = 0;
       }
-      Bracket at =
-          crossingInCell(cubic, ta, i == first ? done : R(0.0), entry, side, starts, tIn, tOut, tAfter);
-      bracket = make_v4(at.lo, at.hi, at.fLo, at.fHi);
-      if (at.lo <= at.hi) index = i;
+      bracket = make_v4(R(0.0), R(1.0), cubic.x, cubic.w);
+      if (!(anyHit && side == 0 && changesSign(cubic))) {
+        Bracket at =
+            crossingInCell(cubic, ta, i == first ? done : R(0.0), entry, side, starts, tIn, tOut, tAfter);
+        bracket = make_v4(at.lo, at.hi, at.fLo, at.fHi);
+      }
+      if (bracket.x <= bracket.y) index = i;
     }
   }
   IsoCrossing x;
@@ -131,8 +149,10 @@ FN IsoCrossing cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, r
   return x;
 }
 
-FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfter, IsoStart start,
-                          INOUT(int) cellsVisited, INOUT(int) macrocellsSkipped) {
+// The first isosurface along a ray. With `anyHit` it only matters whether there is one: it may be any that the
+// ray meets, at any t in its cell. No root is computed then, except in cells in which not every root counts.
+FN IsoHit isosurfaceAlong(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfter, IsoStart start,
+                          UNIFORM bool anyHit, INOUT(int) cellsVisited, INOUT(int) macrocellsSkipped) {
   IsoHit hit;
   hit.t = NO_HIT;
   hit.index = -1;
@@ -152,7 +172,8 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
   int stepX = up.x + up.x - 1, stepY = up.y + up.y - 1, stepZ = up.z + up.z - 1;
   real strideX = toReal(stepX), strideY = toReal(stepY), strideZ = toReal(stepZ);
   int mx = c.x >> MACRO_BITS, my = c.y >> MACRO_BITS, mz = c.z >> MACRO_BITS;
-  int lx = c.x & 7, ly = c.y & 7, lz = c.z & 7;
+  int place = placeIn(c.x & 7, c.y & 7, c.z & 7);
+  int placeX = stepX, placeY = stepY << PLACE_Y, placeZ = stepZ << PLACE_Z;
   int block = isoBlock(v, make_i3(mx, my, mz));
   real tMet = NO_HIT, tLimit = tOut;
   int met = -1;
@@ -164,7 +185,7 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
   while (go) {
     // Rays of a gang wait for each other at cells that an isovalue may pass through, and again when they have
     // bracketed a crossing.
-    bool bracketed = false;
+    bool bracketed = false, whole = false;
     real tb = ta;
     while (go && !bracketed) {
       int found = 0;
@@ -185,25 +206,22 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
             block = ISO_END;
             if (ta < end) block = isoBlock(v, make_i3(mx, my, mz));
           }
-          lx = cellEntered(ta, mx, up.x, r.g.po.x, r.g.pd.x, r.g.rpd.x) - (mx << MACRO_BITS);
-          ly = cellEntered(ta, my, up.y, r.g.po.y, r.g.pd.y, r.g.rpd.y) - (my << MACRO_BITS);
-          lz = cellEntered(ta, mz, up.z, r.g.po.z, r.g.pd.z, r.g.rpd.z) - (mz << MACRO_BITS);
+          place = placeIn(cellEntered(ta, mx, up.x, r.g.po.x, r.g.pd.x, r.g.rpd.x) - (mx << MACRO_BITS),
+                          cellEntered(ta, my, up.y, r.g.po.y, r.g.pd.y, r.g.rpd.y) - (my << MACRO_BITS),
+                          cellEntered(ta, mz, up.z, r.g.po.z, r.g.pd.z, r.g.rpd.z) - (mz << MACRO_BITS));
         }
         if (block != ISO_END) {
-          real planeX = toReal((mx << MACRO_BITS) + lx + up.x);
-          real planeY = toReal((my << MACRO_BITS) + ly + up.y);
-          real planeZ = toReal((mz << MACRO_BITS) + lz + up.z);
-          found = isoCell(v, block, lx, ly, lz);
-          bool walk = found == 0;
+          real planeX = toReal((mx << MACRO_BITS) + cellOnAxis(place, 0) + up.x);
+          real planeY = toReal((my << MACRO_BITS) + cellOnAxis(place, PLACE_Y) + up.y);
+          real planeZ = toReal((mz << MACRO_BITS) + cellOnAxis(place, PLACE_Z) + up.z);
+          int walk = 1 - isoCell(v, block, place);
           // The cell that comes next. Rays that have found theirs go on to it, too, so that no step waits for
           // the result of the step before. Rays stay where no isovalue passes any more; so do rays that never
           // walked.
-          int nextX, nextY, nextZ, macroX, macroY, macroZ, nextBlock;
+          int next, macroX, macroY, macroZ, nextBlock;
           real nextT, last;
           UNMASKED {
-            nextX = 0;
-            nextY = 0;
-            nextZ = 0;
+            next = PLACE_INSIDE;
             macroX = 0;
             macroY = 0;
             macroZ = 0;
@@ -211,65 +229,61 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
             nextT = R(0.0);
             last = R(0.0);
           }
-          nextX = lx;
-          nextY = ly;
-          nextZ = lz;
+          next = place;
           macroX = mx;
           macroY = my;
           macroZ = mz;
           nextBlock = block;
           last = end;
-          while (walk) {
+          while (walk != 0) {
             int holds = 0;
             UNMASKED {
               real farX = (planeX - r.g.po.x) * r.g.rpd.x;
               real farY = (planeY - r.g.po.y) * r.g.rpd.y;
               real farZ = (planeZ - r.g.po.z) * r.g.rpd.z;
               nextT = min(min(farX, farY), farZ);
-              nextX += farX <= nextT ? stepX : 0;
-              nextY += farY <= nextT ? stepY : 0;
-              nextZ += farZ <= nextT ? stepZ : 0;
+              next += farX <= nextT ? placeX : 0;
+              next += farY <= nextT ? placeY : 0;
+              next += farZ <= nextT ? placeZ : 0;
               planeX += farX <= nextT ? strideX : R(0.0);
               planeY += farY <= nextT ? strideY : R(0.0);
               planeZ += farZ <= nextT ? strideZ : R(0.0);
-              if (((nextX | nextY | nextZ) & ~7) != 0) {
-                macroX += nextX >> MACRO_BITS;
-                macroY += nextY >> MACRO_BITS;
-                macroZ += nextZ >> MACRO_BITS;
-                nextX &= 7;
-                nextY &= 7;
-                nextZ &= 7;
+              if (isOutside(next)) {
+                macroX += macrocellsOff(next, 0);
+                macroY += macrocellsOff(next, PLACE_Y);
+                macroZ += macrocellsOff(next, PLACE_Z);
+                next = placeBack(next);
                 if (nextBlock > ISO_END) {
                   nextBlock = ISO_END;
                   if (nextT < last) nextBlock = isoBlock(v, make_i3(macroX, macroY, macroZ));
                 }
               }
-              if (nextBlock > ISO_END) holds = isoCell(v, nextBlock, nextX, nextY, nextZ);
+              if (nextBlock > ISO_END) holds = isoCell(v, nextBlock, next);
             }
-            lx = nextX;
-            ly = nextY;
-            lz = nextZ;
+            place = next;
             mx = macroX;
             my = macroY;
             mz = macroZ;
             block = nextBlock;
             ta = nextT;
-            found = holds;
-            walk = block > ISO_END && found == 0;
+            walk = block > ISO_END && holds == 0 ? 1 : 0;
           }
         }
-        if (block == ISO_END) found = 2;
+        found = block > 0 ? 1 : 0;
       }
       go = block != ISO_END;
       if (go) {
         cellsVisited += 1;
-        c = make_i3((mx << MACRO_BITS) + lx, (my << MACRO_BITS) + ly, (mz << MACRO_BITS) + lz);
+        c = make_i3((mx << MACRO_BITS) + cellOnAxis(place, 0),
+                    (my << MACRO_BITS) + cellOnAxis(place, PLACE_Y),
+                    (mz << MACRO_BITS) + cellOnAxis(place, PLACE_Z));
         real farX = planeCrossing(c.x + up.x, r.g.po.x, r.g.rpd.x);
         real farY = planeCrossing(c.y + up.y, r.g.po.y, r.g.rpd.y);
         real farZ = planeCrossing(c.z + up.z, r.g.po.z, r.g.rpd.z);
         real exit = min(min(farX, farY), farZ);
         tb = min(exit, r.t1);
-        IsoCrossing x = cellCrossing(v, r, c, up, ta, tb, index, done, tIn, tLimit, tAfter, start);
+        whole = anyHit && acceptsRoot(ta, tIn, tLimit, tAfter) && tb < tLimit;
+        IsoCrossing x = cellCrossing(v, r, c, up, ta, tb, index, done, tIn, tLimit, tAfter, start, whole);
         cubic = x.cubic;
         bracket = make_v4(x.at.lo, x.at.hi, x.at.fLo, x.at.fHi);
         index = x.index;
@@ -279,16 +293,14 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           index = 0;
           done = R(0.0);
           ta = exit;
-          lx += farX <= exit ? stepX : 0;
-          ly += farY <= exit ? stepY : 0;
-          lz += farZ <= exit ? stepZ : 0;
-          if (((lx | ly | lz) & ~7) != 0) {
-            mx += lx >> MACRO_BITS;
-            my += ly >> MACRO_BITS;
-            mz += lz >> MACRO_BITS;
-            lx &= 7;
-            ly &= 7;
-            lz &= 7;
+          place += farX <= exit ? placeX : 0;
+          place += farY <= exit ? placeY : 0;
+          place += farZ <= exit ? placeZ : 0;
+          if (isOutside(place)) {
+            mx += macrocellsOff(place, 0);
+            my += macrocellsOff(place, PLACE_Y);
+            mz += macrocellsOff(place, PLACE_Z);
+            place = placeBack(place);
             if (go) block = isoBlock(v, make_i3(mx, my, mz));
           }
         }
@@ -300,8 +312,9 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
       at.hi = bracket.y;
       at.fLo = bracket.z;
       at.fHi = bracket.w;
-      real th = crossingTime(cubic, at, ta, tb);
-      bool accepted = acceptsRoot(th, tIn, tLimit, tAfter);
+      real th = ta;
+      if (!whole) th = crossingTime(cubic, at, ta, tb);
+      bool accepted = whole || acceptsRoot(th, tIn, tLimit, tAfter);
       if (accepted) {
         tMet = th;
         met = index;
@@ -311,12 +324,17 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
       bool more = !accepted && bracket.y < R(1.0);
       done = more ? bracket.y : R(0.0);
       index += more ? 0 : 1;
-      go = !accepted || index < v.isovalues;
+      go = !accepted || (!anyHit && index < v.isovalues);
     }
   }
   hit.t = tMet;
   hit.index = met;
   return hit;
+}
+
+FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfter, IsoStart start,
+                          INOUT(int) cellsVisited, INOUT(int) macrocellsSkipped) {
+  return isosurfaceAlong(v, r, tIn, tOut, tAfter, start, false, cellsVisited, macrocellsSkipped);
 }
 
 FN real centralDifference(real before, real here, real after, bool hasBefore, bool hasAfter) {

@@ -84,7 +84,8 @@ FN real probeCuts(SCENE s, OPERATOR op, VOLUME v, VOLUMES list, UNIFORM int coun
   start.index = -1;
   start.from = 0;
   int cells = 0, skipped = 0;
-  IsoHit hit = hitIsosurface(op.clips, v, o, d, R(0.0), R(1e30), tLast, R(1e30), start, cells, skipped);
+  IsoHit hit =
+      hitIsosurface(op.clips, v, o, d, R(0.0), R(1e30), tLast, R(1e30), start, false, cells, skipped);
   return p == 23 ? hit.t : toReal(hit.index + 10 * cells);
 }
 
@@ -153,7 +154,8 @@ FN bool surfaceAt(OPERATOR op, VOLUME v, uint k, vec3 o, vec3 way, uint i, OUT(v
     start.index = -1;
     start.from = 0;
     int cells = 0, skipped = 0;
-    IsoHit met = hitIsosurface(op.clips, v, o, d, R(0.0), R(1e30), R(-1.0), R(1e30), start, cells, skipped);
+    IsoHit met =
+        hitIsosurface(op.clips, v, o, d, R(0.0), R(1e30), R(-1.0), R(1e30), start, false, cells, skipped);
     hit = met.t < NO_HIT;
     if (hit) f = fieldSurface(op, v, HIT_ISOSURFACE, toUint(met.index), o, d, met.t);
   } else if (op.slices > 0) {
