@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/comm/error_text.h"
+#include "core/comm/presence.h"
 
 namespace gxy {
 
@@ -24,7 +25,11 @@ void guarded(const ErrorReport& report, int rank, const char* what, const std::f
 
 namespace {
 
-const char* nameOf(Channel channel) {
+constexpr std::string_view kMessage = "message: ";
+
+/// The name of its messages in a trace.
+std::string_view stageOf(Channel channel) {
+  if (channel == kPresenceChannel) return "message: presence";
   switch (channel) {
     case Channel::Work:
       return "message: work";
@@ -61,10 +66,12 @@ const char* nameOf(Channel channel) {
     case Channel::Test:
       break;
   }
-  return "message";
+  return "message: others";
 }
 
 }  // namespace
+
+std::string_view nameOf(Channel channel) { return stageOf(channel).substr(kMessage.size()); }
 
 bool Mailbox::deliver(Delivery delivery) {
   std::lock_guard lock(running_);
@@ -74,7 +81,7 @@ bool Mailbox::deliver(Delivery delivery) {
     kept_[channel].push_back(std::move(delivery));
     return false;
   }
-  const Trace::Span span(trace_, nameOf(delivery.channel), delivery.message.size());
+  const Trace::Span span(trace_, stageOf(delivery.channel), delivery.message.size());
   const auto handler = found->second;  // a copy: the handler may replace itself
   (*handler)(delivery.source, std::move(delivery.message));
   return true;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/comm/trace.h"
@@ -22,6 +23,9 @@ void logError(int rank, const std::string& message);
 
 /// Runs `action`. An exception is reported and not passed on. `what` names the action in the report ("a task").
 void guarded(const ErrorReport& report, int rank, const char* what, const std::function<void()>& action);
+
+/// Returns what the messages of a channel are called, such as "rays".
+std::string_view nameOf(Channel channel);
 
 /// A message on its way to a handler.
 struct Delivery {

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -148,6 +149,15 @@ class MpiTransport::Progress {
 
   void abort() { aborting_ = true; }
 
+  std::map<Channel, Traffic> traffic() const {
+    std::lock_guard lock(trafficMutex_);
+    return traffic_;
+  }
+  int partners() const {
+    std::lock_guard lock(trafficMutex_);
+    return int(std::count(isPartner_.begin(), isPartner_.end(), true));
+  }
+
   Counters counters() const {
     std::lock_guard lock(mutex_);
     return {bytesSent_, packetsSent_, messagesSent_, queuedBytes_ + heldBySender_, mostWaiting_};
@@ -218,6 +228,7 @@ class MpiTransport::Progress {
         deliver(std::move(delivery));
       } else {
         ++messagesSent_;
+        countSent(destination, delivery);
         sender_.add(destination, delivery.channel, std::move(delivery.message));
       }
     }
@@ -226,7 +237,26 @@ class MpiTransport::Progress {
   }
 
   bool receive() {
-    return receiver_.poll([this](Delivery delivery) { deliver(std::move(delivery)); });
+    return receiver_.poll([this](Delivery delivery) {
+      countReceived(delivery);
+      deliver(std::move(delivery));
+    });
+  }
+
+  void countSent(int destination, const Delivery& delivery) {
+    std::lock_guard lock(trafficMutex_);
+    Traffic& traffic = traffic_[delivery.channel];
+    traffic.messagesSent++;
+    traffic.bytesSent += delivery.message.size();
+    isPartner_[size_t(destination)] = true;
+  }
+
+  void countReceived(const Delivery& delivery) {
+    std::lock_guard lock(trafficMutex_);
+    Traffic& traffic = traffic_[delivery.channel];
+    traffic.messagesReceived++;
+    traffic.bytesReceived += delivery.message.size();
+    isPartner_[size_t(delivery.source)] = true;
   }
 
   void deliver(Delivery delivery) {
@@ -289,6 +319,9 @@ class MpiTransport::Progress {
   std::atomic<uint64_t> bytesSent_ = 0, packetsSent_ = 0, messagesSent_ = 0;
   std::atomic<bool> aborting_ = false;
   std::atomic<uint64_t> heldBySender_ = 0, mostWaiting_ = 0;
+  mutable std::mutex trafficMutex_;  ///< guards the next two members
+  std::map<Channel, Traffic> traffic_;
+  std::vector<bool> isPartner_ = std::vector<bool>(size_t(size_));  ///< by rank
   Sums mine_, sums_;
   uint64_t retiredLastWave_ = 0;
   MPI_Request sum_ = MPI_REQUEST_NULL;
@@ -317,5 +350,7 @@ void MpiTransport::postWaiting(Task task) { progress_->postWaiting(std::move(tas
 void MpiTransport::postLong(Task task) { progress_->postLong(std::move(task)); }
 void MpiTransport::abort() { progress_->abort(); }
 Transport::Counters MpiTransport::counters() const { return progress_->counters(); }
+std::map<Channel, MpiTransport::Traffic> MpiTransport::traffic() const { return progress_->traffic(); }
+int MpiTransport::partners() const { return progress_->partners(); }
 
 }  // namespace gxy

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 
 #include "core/comm/mailbox.h"
@@ -48,6 +49,15 @@ class MpiTransport final : public Transport {
   void postWaiting(Task task) override;
   void postLong(Task task) override;
   Counters counters() const override;
+
+  /// What has gone to other ranks and what has come from them: messages, and their bytes without what packets add.
+  struct Traffic {
+    uint64_t messagesSent = 0, bytesSent = 0, messagesReceived = 0, bytesReceived = 0;
+  };
+  /// Returns the traffic of each channel that had any.
+  std::map<Channel, Traffic> traffic() const;
+  /// The number of ranks that this one has sent messages to or got messages from.
+  int partners() const;
 
   /// Ends all ranks of the run, including those that hang, by MPI_Abort. Use it when a rank will never answer
   /// again. The progress thread calls MPI_Abort, after this function has returned.

@@ -48,6 +48,7 @@ void FlightControl::stop() {
 FlightControl::Counters FlightControl::counters() const {
   std::lock_guard lock(mutex_);
   Counters counters = counters_;
+  counters.waves = completion_.wavesStarted();
   counters.mostCredits = tasks_.queue().credits().mostOut();
   return counters;
 }

@@ -76,6 +76,7 @@ class FlightControl {
     uint64_t itemsDropped = 0;  ///< ended without having been advanced
     /// Messages with credits that were not sent, because there were no credits to give back.
     uint64_t creditsSkipped = 0;
+    uint64_t waves = 0;       ///< rank 0: waves of Completion
     int64_t mostCredits = 0;  ///< most credits out at once
   };
   Counters counters() const;

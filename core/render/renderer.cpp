@@ -151,6 +151,7 @@ Renderer::Counters Renderer::counters() const {
   c.rayBytes = flights.bytesForwarded;
   c.rayMessages = flights.messagesForwarded;
   c.messagesSkipped += flights.creditsSkipped;
+  c.completionWaves = flights.waves;
   c.mostRaysInFlight = flights.mostCredits;
   c.mostFramebuffers = framebuffers_->most;
   return c;

@@ -152,6 +152,7 @@ class Renderer {
     /// Messages that were not sent, as they would have been empty: to owners of pictures (no pixel to
     /// change), and to ranks whose rays were traced here (no credit to give back).
     uint64_t messagesSkipped = 0;
+    uint64_t completionWaves = 0;  ///< rank 0: waves that have asked whether a frame is complete
     int64_t mostRaysInFlight = 0;  ///< most credits out at once
     int mostFramebuffers = 0;      ///< most framebuffers of this rank that had memory at once
   };

@@ -44,5 +44,16 @@ TEST(Statistics, EachSkippedEntryHoldsItsCounter) {
                                                {"kernels", {"isosurfaces"}}}));
 }
 
+TEST(Statistics, TellTheTrafficOfEachKind) {
+  const nlohmann::json all = trafficOf({{Channel::Rays, {1, 2, 3, 4}}, {Channel::Credits, {5, 6, 7, 8}}}, 9);
+  const auto kind = [](int first) {
+    return nlohmann::json{{"messages sent", first},
+                          {"bytes sent", first + 1},
+                          {"messages received", first + 2},
+                          {"bytes received", first + 3}};
+  };
+  EXPECT_EQ(all, (nlohmann::json{{"kinds", {{"rays", kind(1)}, {"credits", kind(5)}}}, {"partners", 9}}));
+}
+
 }  // namespace
 }  // namespace gxy

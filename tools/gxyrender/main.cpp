@@ -214,11 +214,14 @@ std::vector<ShownSoFar> renderStep(const State& state, const std::string& direct
   phases.cpuRender = cpuSeconds() - cpu;
   phases.total = wallSeconds() - begin;
   if (!options.statsFile.empty()) {
-    const auto mine =
+    auto mine =
         statisticsOf(renderer.counters(), at.transport.counters(), phases, before, at.ledger, residentBefore);
+    mine["messages"].update(trafficOf(at.transport.traffic(), at.transport.partners()));
+    std::vector<Bytes> toRoot(size_t(at.transport.size()));
+    toRoot[0] = toBytes(mine.dump());
     std::vector<nlohmann::json> all;
-    for (const Bytes& b : at.ranks.allGather(toBytes(mine.dump())))
-      all.push_back(nlohmann::json::parse(toString(b)));
+    for (const Bytes& b : at.ranks.allToAll(std::move(toRoot)))
+      if (at.root) all.push_back(nlohmann::json::parse(toString(b)));
     agree(at.ranks, [&] {
       if (at.root)
         writeStatistics(options.statsFile,

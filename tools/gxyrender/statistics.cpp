@@ -85,7 +85,8 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"all bytes", t.bytesSent},
             {"packets", t.packetsSent},
             {"most bytes waiting", t.mostBytesWaiting},
-            {"all messages", t.messagesSent}}},
+            {"all messages", t.messagesSent},
+            {"completion waves", c.completionWaves}}},
           {"thread seconds",
            {{"spawn", 1e-9 * double(k.nsSpawn)},
             {"geometry", 1e-9 * double(k.nsGeometry)},
@@ -114,6 +115,16 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"process before data", residentBefore},
             {"process", process.resident},
             {"process peak", process.peakResident}}}};
+}
+
+nlohmann::json trafficOf(const std::map<Channel, MpiTransport::Traffic>& byChannel, int partners) {
+  auto kinds = nlohmann::json::object();
+  for (const auto& [channel, t] : byChannel)
+    kinds[std::string(nameOf(channel))] = {{"messages sent", t.messagesSent},
+                                           {"bytes sent", t.bytesSent},
+                                           {"messages received", t.messagesReceived},
+                                           {"bytes received", t.bytesReceived}};
+  return {{"kinds", kinds}, {"partners", partners}};
 }
 
 void writeStatistics(const std::string& path, const nlohmann::json& run,

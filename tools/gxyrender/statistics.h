@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The statistics that the option --stats writes.
 #pragma once
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "core/comm/mpi_transport.h"
 #include "core/comm/transport.h"
 #include "core/io/import_volume.h"
 #include "core/render/renderer.h"
@@ -35,6 +37,10 @@ struct LeftBefore {
 nlohmann::json statisticsOf(const Renderer::Counters& counters, const Transport::Counters& transport,
                             const Phases& phases, const LeftBefore& before, const Ledger& ledger,
                             int64_t residentBefore);
+
+/// Returns, for `messages` of the statistics, what this rank has sent to others and received, by kind, and the number of ranks that it
+/// has exchanged messages with.
+nlohmann::json trafficOf(const std::map<Channel, MpiTransport::Traffic>& byChannel, int partners);
 
 /// Writes {"run": ..., "ranks": [...]}. Throws Error if the file cannot be written.
 void writeStatistics(const std::string& path, const nlohmann::json& run,
