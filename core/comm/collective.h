@@ -3,6 +3,7 @@
 #pragma once
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -21,20 +22,31 @@ namespace gxy {
 /// A key names a request on all ranks. Within a key all ranks make the same calls in the same order. Calls of
 /// different keys neither wait for each other nor mix, whatever their order on each rank. A rank that fails
 /// before a call must still make it, or others wait for ever: agree() is for that.
+///
+/// No rank sends or receives more than a number of messages that grows with the logarithm of the number of
+/// ranks, but for the messages of allToAll() that have bytes in them.
 class Collective {
  public:
+  /// Makes one of two ranks' bytes. It must not throw, and what it makes of all ranks' must not depend on the
+  /// order in which it gets them.
+  using Fold = std::function<void(Bytes& into, const Bytes& other)>;
+
   explicit Collective(Transport& transport);
   ~Collective();
 
   Collective(const Collective&) = delete;
   Collective& operator=(const Collective&) = delete;
 
-  /// Returns the bytes that each rank gave, by rank. One rank collects them and sends the whole down a binary
-  /// tree: 2 P messages for P ranks.
+  /// Returns the bytes that each rank gave, by rank. They go up a binary tree, and all of them come down it.
+  /// Ranks that give none cost no bytes.
   std::vector<Bytes> allGather(uint64_t key, Bytes mine);
 
-  /// Sends `perRank[r]` to rank r. Returns the bytes that each rank sent to this one, by rank. Throws Error
-  /// unless `perRank` has one entry per rank.
+  /// Returns, on all ranks, what `fold` makes of the bytes that the ranks give. Each rank folds its own and
+  /// those of its children in a binary tree. `fold` may be called on another thread than the caller's.
+  Bytes allReduce(uint64_t key, Bytes mine, Fold fold);
+
+  /// Sends `perRank[r]` to rank r, unless it is empty. Returns the bytes that each rank sent to this one, by
+  /// rank. Throws Error unless `perRank` has one entry per rank.
   std::vector<Bytes> allToAll(uint64_t key, std::vector<Bytes> perRank);
 
   /// Returns the bytes that rank `root` gave, on all ranks, by way of a binary tree. The bytes of other ranks
@@ -58,16 +70,20 @@ class Collective {
   using Call = std::pair<uint64_t, uint64_t>;  ///< key, and the number of earlier calls with the key
 
   struct Arrived {
-    std::vector<std::optional<Bytes>> parts;  ///< by source rank
-    int count = 0;                            ///< number of parts that have arrived
-    std::optional<Bytes> whole;               ///< bytes that came down the tree
+    std::map<int, Bytes> parts;    ///< by source rank: of children in the tree, or of allToAll()
+    std::map<int, Bytes> notices;  ///< by step of countNotices()
+    std::optional<Bytes> whole;    ///< bytes that came down the tree
+    Bytes mine;                    ///< what this rank gave to allReduce()
+    Fold fold;                     ///< set between this rank's call and the moment when the parts are folded
   };
 
   Call next(uint64_t key);
-  void send(int destination, Kind kind, Call call, int root, Bytes body);
+  void send(int destination, Kind kind, Call call, int at, Bytes body);
   void sendDownTree(Call call, int root, const Bytes& body);
+  void sendUpTree(Call call, int root);
+  size_t countNotices(Call call, const std::vector<int>& destinations);
   void receive(int source, const Bytes& message);
-  void receivePart(int source, Kind kind, Call call, Bytes body);
+  void receivePart(int source, Kind kind, Call call, int at, Bytes body);
   Bytes waitForWhole(Call call);
 
   Transport& transport_;

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/comm/collectives.h"
 
-#include <numeric>
+#include <functional>
 #include <string>
 
 #include "core/comm/error_text.h"
 
 namespace gxy {
+
+Bytes Collectives::allReduce(Bytes mine, const Collective::Fold& fold) {
+  std::vector<Bytes> all = allGather(std::move(mine));
+  for (size_t rank = 1; rank < all.size(); ++rank) fold(all[0], all[rank]);
+  return std::move(all[0]);
+}
 
 void agree(Collectives& ranks, const std::function<void()>& work) {
   std::string failure;
@@ -36,8 +42,8 @@ std::vector<uint64_t> gatherCounts(Collectives& ranks, uint64_t mine) {
 }
 
 uint64_t sumOfCounts(Collectives& ranks, uint64_t mine) {
-  const std::vector<uint64_t> counts = gatherCounts(ranks, mine);
-  return std::accumulate(counts.begin(), counts.end(), uint64_t(0));
+  reduceValues(ranks, std::span(&mine, 1), std::plus<>());
+  return mine;
 }
 
 }  // namespace gxy

@@ -25,6 +25,9 @@ struct Collectives {
   virtual std::vector<Bytes> allGather(Bytes mine) = 0;
   /// Sends `perRank[r]` to rank r. Returns what each rank has sent to this one, by rank.
   virtual std::vector<Bytes> allToAll(std::vector<Bytes> perRank) = 0;
+  /// Returns, on every rank, what `fold` makes of the bytes of all ranks. A rank's messages are as long as what is made of two
+  /// ranks' bytes, and those of allGather() as long as the bytes of all ranks together.
+  virtual Bytes allReduce(Bytes mine, const Collective::Fold& fold);
   /// Throws Error if the computation has been cancelled. Long loops call it inside agree(), which makes all ranks end, between
   /// files, blocks, and layers of blocks. Any thread may call it.
   virtual void check() const {}
@@ -56,6 +59,9 @@ class RankCollectives final : public Collectives {
   std::vector<Bytes> allGather(Bytes mine) override { return collective_.allGather(key_, std::move(mine)); }
   std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override {
     return collective_.allToAll(key_, std::move(perRank));
+  }
+  Bytes allReduce(Bytes mine, const Collective::Fold& fold) override {
+    return collective_.allReduce(key_, std::move(mine), fold);
   }
   void check() const override {
     if (check_) check_();
@@ -98,6 +104,28 @@ std::vector<std::vector<T>> gatherValues(Collectives& ranks, std::span<const T> 
     if (!theirs.empty()) std::memcpy(all.back().data(), theirs.data(), theirs.size());
   }
   return all;
+}
+
+/// Gives every rank the values that `join(a, b)` makes of those of all ranks, one by one. What it makes must not depend on the order
+/// in which it gets them. Every rank gives the same number of values; otherwise ranks throw Error.
+template <class T, class Join>
+void reduceValues(Collectives& ranks, std::span<T> values, Join join) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const auto bytesOfValues = std::as_bytes(values);
+  const Bytes all = ranks.allReduce(Bytes(bytesOfValues.begin(), bytesOfValues.end()),
+                                    [join](Bytes& into, const Bytes& other) {
+                                      if (into.size() != other.size())
+                                        return into.clear();  // Those who gave values will find none.
+                                      for (size_t at = 0; at < into.size(); at += sizeof(T)) {
+                                        T mine, theirs;
+                                        std::memcpy(&mine, into.data() + at, sizeof(T));
+                                        std::memcpy(&theirs, other.data() + at, sizeof(T));
+                                        mine = join(mine, theirs);
+                                        std::memcpy(into.data() + at, &mine, sizeof(T));
+                                      }
+                                    });
+  if (all.size() != values.size_bytes()) throw Error("collective operation: ranks disagree about its size");
+  if (!all.empty()) std::memcpy(values.data(), all.data(), all.size());
 }
 
 /// Returns the count of every rank, by rank.

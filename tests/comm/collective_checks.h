@@ -3,6 +3,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,11 +30,27 @@ inline void checkCollectives(Collective& collective, Transport& transport, uint6
     ASSERT_EQ(gathered.size(), size_t(ranks));
     for (int r = 0; r < ranks; ++r) ASSERT_EQ(gathered[r], gift(key + round, r, 0));
 
+    const Bytes folded =
+        collective.allReduce(key, gift(key + round, me, 0), [](Bytes& into, const Bytes& other) {
+          into.resize(std::max(into.size(), other.size()));
+          for (size_t i = 0; i < other.size(); ++i) into[i] ^= other[i];
+        });
+    Bytes expected;
+    for (int r = 0; r < ranks; ++r) {
+      const Bytes theirs = gift(key + round, r, 0);
+      expected.resize(std::max(expected.size(), theirs.size()));
+      for (size_t i = 0; i < theirs.size(); ++i) expected[i] ^= theirs[i];
+    }
+    ASSERT_EQ(folded, expected);
+
+    // Every third pair has nothing to send.
+    const auto isEmpty = [&](int from, int to) { return (uint64_t(from + 2 * to) + key) % 3 == 0; };
     std::vector<Bytes> mine;
-    for (int r = 0; r < ranks; ++r) mine.push_back(gift(key + round, me, r));
+    for (int r = 0; r < ranks; ++r) mine.push_back(isEmpty(me, r) ? Bytes() : gift(key + round, me, r));
     const auto exchanged = collective.allToAll(key, std::move(mine));
     ASSERT_EQ(exchanged.size(), size_t(ranks));
-    for (int r = 0; r < ranks; ++r) ASSERT_EQ(exchanged[r], gift(key + round, r, me));
+    for (int r = 0; r < ranks; ++r)
+      ASSERT_EQ(exchanged[r], isEmpty(r, me) ? Bytes() : gift(key + round, r, me));
 
     for (int root = 0; root < ranks; ++root)
       ASSERT_EQ(collective.broadcast(key, root, me == root ? gift(key, root, round) : Bytes{}),

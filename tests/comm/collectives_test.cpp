@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -50,6 +52,25 @@ TEST(GatherCounts, GivesThoseOfEveryRankByRank) {
     EXPECT_EQ(sumOfCounts(mine, uint64_t(10 + mine.rank())), 33u);
   });
   EXPECT_EQ(errors, std::vector<std::string>(3));
+}
+
+TEST(ReduceValues, JoinsThoseOfAllRanksOneByOne) {
+  test::ThreadRanks ranks(5);
+  const auto errors = ranks.run([](Collectives& mine) {
+    std::vector<int> values{mine.rank(), -mine.rank(), 7};
+    reduceValues(mine, std::span(values), [](int a, int b) { return std::max(a, b); });
+    EXPECT_EQ(values, (std::vector<int>{4, 0, 7}));
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(5));
+}
+
+TEST(ReduceValues, RanksThatGiveDifferentNumbersOfThemAllFail) {
+  test::ThreadRanks ranks(3);
+  const auto errors = ranks.run([](Collectives& mine) {
+    std::vector<int> values(size_t(mine.rank() == 1) + 1);
+    reduceValues(mine, std::span(values), std::plus<>());
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(3, "collective operation: ranks disagree about its size"));
 }
 
 TEST(GatherValues, RanksThatGiveDifferentNumbersOfThemAllFail) {
