@@ -102,13 +102,13 @@ Work::Runs Work::runsOf(const std::string& name) const {
 // sending
 
 Bytes Work::request(const std::string& name, const nlohmann::json& parameters,
-                    std::span<const std::byte> attachment, bool toAll, size_t expected, OnDone onDone) {
+                    std::span<const std::byte> attachment, bool toAll, OnDone onDone) {
   std::lock_guard lock(mutex_);
   const uint64_t id = nextId_++;
   Writer writer;
   writer.write(MessageKind::Message).write(id).write(int32_t(transport_.rank())).write(toAll);
   writer.write(name).write(dumpJson(parameters)).write(attachment);
-  pending_[id] = {expected, {}, std::move(onDone)};
+  pending_[id] = std::move(onDone);
   return writer.take();
 }
 
@@ -117,13 +117,13 @@ void Work::send(int rank, const std::string& name, const nlohmann::json& paramet
   if (rank < 0 || rank >= transport_.size())
     throw Error("work '" + name + "' for rank " + std::to_string(rank) + ", expected 0 to " +
                 std::to_string(transport_.size() - 1));
-  transport_.send(rank, Channel::Work, request(name, parameters, attachment, false, 1, std::move(onDone)));
+  transport_.send(rank, Channel::Work, request(name, parameters, attachment, false, std::move(onDone)));
 }
 
 void Work::broadcast(const std::string& name, const nlohmann::json& parameters, OnDone onDone,
                      std::span<const std::byte> attachment) {
   transport_.send(transport_.rank(), Channel::Work,
-                  request(name, parameters, attachment, true, size_t(transport_.size()), std::move(onDone)));
+                  request(name, parameters, attachment, true, std::move(onDone)));
 }
 
 nlohmann::json Work::call(int rank, const std::string& name, const nlohmann::json& parameters,
@@ -172,9 +172,16 @@ void Work::receiveRequest(Bytes message) {
   if (request.sender < 0 || request.sender >= transport_.size())
     reader.fail("its sender is rank " + std::to_string(request.sender) + ", expected 0 to " +
                 std::to_string(transport_.size() - 1));
-  if (request.toAll)
+  if (request.toAll) {
+    const int children = treeChildren(transport_.rank(), request.sender, transport_.size());
+    {
+      std::lock_guard lock(mutex_);
+      if (!gatherings_.emplace(CallId(request.sender, request.id), Gathering{children + 1, {}}).second)
+        reader.fail("it came twice");
+    }
     forEachTreeChild(transport_.rank(), request.sender, transport_.size(),
                      [&](int child) { transport_.send(child, Channel::Work, message); });
+  }
   // From here on the sender is known, so errors become replies.
   try {
     request.name = reader.readString();
@@ -210,39 +217,95 @@ void Work::run(const Message& request, const Action& action) {
 }
 
 void Work::reply(const Message& request, const nlohmann::json& result, const std::string& error) {
+  const CallId call(request.sender, request.id);
+  Replies mine{{{error, dumpJson(result)}, {transport_.rank()}}};
+  if (request.toAll)
+    gather(call, std::move(mine));
+  else
+    sendReplies(request.sender, call, false, mine);
+}
+
+// Adds replies to those that have come. Once all are there, they go up the tree.
+void Work::gather(CallId call, Replies replies) {
+  {
+    std::lock_guard lock(mutex_);
+    const auto found = gatherings_.find(call);
+    if (found == gatherings_.end())
+      throw Error("replies came to work " + std::to_string(call.second) + " of rank " +
+                  std::to_string(call.first) + ", which this rank does not gather");
+    for (auto& [said, ranks] : replies) {
+      std::vector<int32_t>& all = found->second.replies[said];
+      all.insert(all.end(), ranks.begin(), ranks.end());
+    }
+    if (--found->second.missing > 0) return;
+    replies = std::move(gatherings_.extract(found).mapped().replies);
+  }
+  const int parent = treeParent(transport_.rank(), call.first, transport_.size());
+  if (parent < 0)
+    conclude(call.second, replies);
+  else
+    sendReplies(parent, call, true, replies);
+}
+
+void Work::sendReplies(int destination, CallId call, bool toAll, const Replies& replies) {
   Writer writer;
-  writer.write(MessageKind::Reply).write(request.id).write(error).write(dumpJson(result));
-  transport_.send(request.sender, Channel::Work, writer.take());
+  writer.write(MessageKind::Reply).write(int32_t(call.first)).write(call.second).write(toAll);
+  for (const auto& [said, ranks] : replies) writer.write(said.first).write(said.second).write(ranks);
+  transport_.send(destination, Channel::Work, writer.take());
 }
 
 void Work::receiveReply(int source, const Bytes& message) {
   Reader reader(message, "work reply");
   reader.read<MessageKind>();
+  const auto sender = reader.read<int32_t>();
   const auto id = reader.read<uint64_t>();
-  Reply reply{source, nullptr, {}};
-  try {
-    reply.error = reader.readString();
-    reply.result = parseJson(reader.readString());
-    reader.expectEnd();
-  } catch (const std::exception& error) {
-    reply.error = error.what();
+  const auto toAll = reader.read<bool>();
+  Replies replies;
+  while (!reader.rest().empty()) {
+    std::string error = reader.readString(), result = reader.readString();
+    auto ranks = reader.readVector<int32_t>();
+    for (const int32_t rank : ranks)
+      if (rank < 0 || rank >= transport_.size()) reader.fail("it is of rank " + std::to_string(rank));
+    replies[{std::move(error), std::move(result)}] = std::move(ranks);
   }
-  if (!reply.ok()) reply.error = "rank " + std::to_string(source) + ": " + reply.error;
+  if (toAll) {
+    if (treeParent(source, sender, transport_.size()) != transport_.rank())
+      reader.fail("rank " + std::to_string(source) + " is no child of this rank in the tree of rank " +
+                  std::to_string(sender));
+    return gather({sender, id}, std::move(replies));
+  }
+  if (sender != transport_.rank()) reader.fail("it is for rank " + std::to_string(sender));
+  conclude(id, replies);
+}
 
-  std::unique_lock lock(mutex_);
-  const auto found = pending_.find(id);
-  if (found == pending_.end())
-    throw Error("rank " + std::to_string(source) + " replied to work " + std::to_string(id) +
-                ", which this rank does not wait for");
-  found->second.replies[source] = std::move(reply);
-  if (found->second.replies.size() < found->second.expected) return;
-  const auto done = std::make_shared<Pending>(std::move(pending_.extract(found).mapped()));
-  lock.unlock();
-  startTask(Runs::Short, [done] {
-    std::vector<Reply> replies;
-    for (auto& [rank, reply] : done->replies) replies.push_back(std::move(reply));
-    if (done->onDone) done->onDone(std::move(replies));
-  });
+// Hands the replies to whoever has called.
+void Work::conclude(uint64_t id, const Replies& replies) {
+  std::map<int, Reply> byRank;
+  for (const auto& [said, ranks] : replies) {
+    Reply reply{0, nullptr, said.first};
+    try {
+      reply.result = parseJson(said.second);
+    } catch (const std::exception& error) {
+      reply.error = error.what();
+    }
+    for (const int32_t rank : ranks) {
+      Reply& of = byRank[rank] = reply;
+      of.rank = rank;
+      if (!of.error.empty()) of.error = "rank " + std::to_string(rank) + ": " + of.error;
+    }
+  }
+  OnDone onDone;
+  {
+    std::lock_guard lock(mutex_);
+    const auto found = pending_.find(id);
+    if (found == pending_.end())
+      throw Error("replies came to work " + std::to_string(id) + ", which this rank does not wait for");
+    onDone = std::move(pending_.extract(found).mapped());
+  }
+  if (!onDone) return;
+  const auto all = std::make_shared<std::vector<Reply>>();
+  for (auto& [rank, reply] : byRank) all->push_back(std::move(reply));
+  startTask(Runs::Short, [onDone = std::move(onDone), all] { onDone(std::move(*all)); });
 }
 
 void Work::startTask(Runs runs, Transport::Task task) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/comm/trace.h"
@@ -17,7 +18,7 @@
 namespace gxy {
 
 /// Calls named actions on one rank or on all (down a binary tree rooted at the sender), and brings the
-/// results back. If a name is unknown, a message is malformed or an action throws, the sender gets an error
+/// results back (up the same tree, so that a rank gets two messages at most, and equal results stand in them once). If a name is unknown, a message is malformed or an action throws, the sender gets an error
 /// with that rank; none of these ends a process.
 ///
 /// Threads: any thread may call all functions except the constructor and destructor, handlers included. Only
@@ -87,21 +88,27 @@ class Work {
     Action action;
     Runs runs;
   };
-  struct Pending {
-    size_t expected;
-    std::map<int, Reply> replies;
-    OnDone onDone;
+  using CallId = std::pair<int, uint64_t>;  ///< the sender, and its number of the call
+  /// Errors and results as JSON text, with the ranks that gave them.
+  using Replies = std::map<std::pair<std::string, std::string>, std::vector<int32_t>>;
+  /// Replies to a call of all ranks on their way up the tree: those of this rank and of the ranks below it.
+  struct Gathering {
+    int missing;  ///< messages that are to come: this rank's own reply, and one of each child
+    Replies replies;
   };
   struct Message;
   class Gate;
 
   Bytes request(const std::string& name, const nlohmann::json& parameters,
-                std::span<const std::byte> attachment, bool toAll, size_t expected, OnDone onDone);
+                std::span<const std::byte> attachment, bool toAll, OnDone onDone);
   void receive(int source, Bytes message);
   void receiveRequest(Bytes message);
   void receiveReply(int source, const Bytes& message);
   void run(const Message& request, const Action& action);
   void reply(const Message& request, const nlohmann::json& result, const std::string& error);
+  void gather(CallId call, Replies replies);
+  void sendReplies(int destination, CallId call, bool toAll, const Replies& replies);
+  void conclude(uint64_t id, const Replies& replies);
   void startTask(Runs runs, Transport::Task task);
   std::vector<nlohmann::json> wait(const std::function<void(OnDone)>& start);
 
@@ -110,7 +117,8 @@ class Work {
   const std::shared_ptr<Gate> gate_;  ///< shared with tasks: those that start too late find it closed
   mutable std::mutex mutex_;
   std::map<std::string, Registered> actions_;
-  std::map<uint64_t, Pending> pending_;
+  std::map<uint64_t, OnDone> pending_;      ///< of this rank's calls, by number
+  std::map<CallId, Gathering> gatherings_;  ///< of any rank's calls
   uint64_t nextId_ = 0;
 };
 
