@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/data/complete_volume.h"
 
+#include <algorithm>
 #include <cstring>
 #include <span>
 #include <string>
@@ -16,11 +17,42 @@
 namespace gxy {
 namespace {
 
-void mergeMacrocells(Volume& volume, Collectives& ranks) {
+/// The macrocells of a partition of another rank.
+struct MacrocellsElsewhere {
+  int rank;
+  MacrocellBox box;
+};
+
+/// Those of partitions that have macrocells in common with this rank's blocks.
+std::vector<MacrocellsElsewhere> macrocellsAround(const Volume& volume, const Partitioning& partitioning,
+                                                  int rank) {
+  std::vector<MacrocellsElsewhere> around;
+  for (int p = 0; p < partitioning.partitions(); ++p) {
+    if (partitioning.owner(p) == rank) continue;
+    const MacrocellBox box = macrocellsOf(extentOf(volume.grid, partitioning.box(p), kGhostLayers));
+    const bool meets = std::any_of(volume.blocks.begin(), volume.blocks.end(), [&](const auto& entry) {
+      return box.meets({entry.second.firstMacrocell, entry.second.macrocells});
+    });
+    if (meets) around.push_back({partitioning.owner(p), box});
+  }
+  return around;
+}
+
+void mergeMacrocells(Volume& volume, const Partitioning& partitioning, Collectives& ranks) {
   const std::vector<BorderSummary> mine = borderSummaries(volume);
-  Bytes bytes(mine.size() * sizeof(BorderSummary));
-  if (!bytes.empty()) std::memcpy(bytes.data(), mine.data(), bytes.size());
-  for (const Bytes& theirs : ranks.allGather(std::move(bytes))) {
+  const std::vector<MacrocellsElsewhere> around = macrocellsAround(volume, partitioning, ranks.rank());
+  std::vector<Bytes> messages(size_t(ranks.size()));
+  std::vector<const BorderSummary*> last(messages.size());  // in each message
+  for (const BorderSummary& record : mine)
+    for (const MacrocellsElsewhere& there : around) {
+      const auto rank = size_t(there.rank);
+      if (last[rank] == &record || !there.box.contains(record.macrocell)) continue;
+      last[rank] = &record;
+      const auto* bytes = reinterpret_cast<const std::byte*>(&record);
+      messages[rank].insert(messages[rank].end(), bytes, bytes + sizeof record);
+    }
+  mergeSummaries(volume, mine);
+  for (const Bytes& theirs : ranks.allToAll(std::move(messages))) {
     std::vector<BorderSummary> records(theirs.size() / sizeof(BorderSummary));
     if (!records.empty()) std::memcpy(records.data(), theirs.data(), records.size() * sizeof(BorderSummary));
     mergeSummaries(volume, records);
@@ -200,7 +232,7 @@ void completeBricks(Volume& volume, const Partitioning& partitioning, Collective
   for (Range& range : volume.ranges)
     if (!range.empty()) range = {shift + scale * range.min, shift + scale * range.max};
   volume.noDataSamples = mine.noDataSamples;
-  mergeMacrocells(volume, ranks);
+  mergeMacrocells(volume, partitioning, ranks);
 }
 
 }  // namespace gxy

@@ -161,18 +161,26 @@ void checkSamples(const VolumeBlock& block, ScalarType stored, int components, s
 
 }  // namespace
 
+MacrocellBox macrocellsOf(const Extent& extent) {
+  MacrocellBox box;
+  if (extent.count() == 0) return box;
+  for (int a = 0; a < 3; ++a) {
+    // Counted by cells: a block whose last point lies on a macrocell's first plane does not touch that macrocell.
+    box.first[a] = extent.first[a] / kSize;
+    const int64_t lastCell = extent.first[a] + std::max<int64_t>(extent.points[a] - 2, 0);
+    box.count[a] = lastCell / kSize - box.first[a] + 1;
+  }
+  return box;
+}
+
 void summarizeBlock(VolumeBlock& block, ScalarType stored, int components, const Advance& advance) {
   const Extent& e = block.extent;
   checkSamples(block, stored, components, Bricks(e.points).count());
   block.summaries.assign(components > 1 ? size_t(components) + 1 : 1, {});
-  block.firstMacrocell = block.macrocells = {0, 0, 0};
+  const MacrocellBox box = macrocellsOf(e);
+  block.firstMacrocell = box.first;
+  block.macrocells = box.count;
   if (e.count() == 0) return;
-  for (int a = 0; a < 3; ++a) {
-    // Counted by cells: a block whose last point lies on a macrocell's first plane does not touch that macrocell.
-    block.firstMacrocell[a] = e.first[a] / kSize;
-    const int64_t lastCell = e.first[a] + std::max<int64_t>(e.points[a] - 2, 0);
-    block.macrocells[a] = lastCell / kSize - block.firstMacrocell[a] + 1;
-  }
   const Index3 &n = block.macrocells, &f = block.firstMacrocell;
   // The number of rows of macrocells between two reports of progress.
   const int64_t told = std::max<int64_t>(1, (int64_t(1) << 20) / (e.points[0] * kSize * kSize));
@@ -233,12 +241,7 @@ void mergeSummaries(Volume& volume, std::span<const BorderSummary> records) {
                   std::to_string(r.summary) + " came, expected one inside the grid of " + volume.name);
     }
     for (auto& [partition, block] : volume.blocks) {
-      bool inside = true;
-      for (int a = 0; a < 3; ++a) {
-        const int64_t at = r.macrocell[a] - block.firstMacrocell[a];
-        inside = inside && at >= 0 && at < block.macrocells[a];
-      }
-      if (!inside) continue;
+      if (!MacrocellBox{block.firstMacrocell, block.macrocells}.contains(r.macrocell)) continue;
       Macrocell& m = block.summaries[size_t(r.summary)][indexOf(block, r.macrocell)];
       m.min = std::min(m.min, r.min);
       m.max = std::max(m.max, r.max);

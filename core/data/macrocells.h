@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Summaries of macrocells, per block and merged over the partitions that cut a macrocell.
 //
-// After an import or update, each rank calls summarizeBlock() for every local block, exchanges its
-// borderSummaries() with all ranks (an all-gather of plain structs), and calls mergeSummaries() with the
-// records of all ranks, its own included. The result then does not depend on how the volume is cut, if every
+// After an import or update, each rank calls summarizeBlock() for every local block, gives the ranks that have
+// the same macrocells its borderSummaries(), and calls mergeSummaries() with the records that it gets and its own. The result then does not depend on how the volume is cut, if every
 // cell is in some partition and blocks have at least one ghost layer. So both sides of a border skip and
 // subdivide alike.
 #pragma once
@@ -15,6 +14,24 @@
 #include "core/data/volume.h"
 
 namespace gxy {
+
+/// A box of macrocells: the global index of its first one, and its size.
+struct MacrocellBox {
+  Index3 first{0, 0, 0}, count{0, 0, 0};
+  bool contains(const Index3& macrocell) const {
+    for (int a = 0; a < 3; ++a)
+      if (macrocell[a] < first[a] || macrocell[a] >= first[a] + count[a]) return false;
+    return true;
+  }
+  bool meets(const MacrocellBox& other) const {
+    for (int a = 0; a < 3; ++a)
+      if (other.first[a] >= first[a] + count[a] || first[a] >= other.first[a] + other.count[a]) return false;
+    return true;
+  }
+};
+
+/// Returns the macrocells that have cells in a block of this extent; none for an empty extent.
+MacrocellBox macrocellsOf(const Extent& extent);
 
 /// Computes firstMacrocell, macrocells and summaries of a block from its own samples, which are in bricks (bricks.h; stored type
 /// int8 to uint16, or float). The magnitude of a point is the square root of the sum of squares of its stored components, in
@@ -41,7 +58,7 @@ struct BorderSummary {
 /// ordered by block, macrocell and summary.
 std::vector<BorderSummary> borderSummaries(const Volume& volume);
 
-/// Widens the summaries of all local blocks by the records of all ranks, in any order. Throws Error for a
+/// Widens the summaries of all local blocks by records, in any order. Those of macrocells that no local block has change nothing. Throws Error for a
 /// record that no volume of this shape can have made.
 void mergeSummaries(Volume& volume, std::span<const BorderSummary> records);
 

@@ -4,12 +4,17 @@
 namespace gxy {
 
 void mergeRanges(Collectives& ranks, std::span<Range> ranges) {
-  for (const auto& theirs : gatherValues<Range>(ranks, ranges))
-    for (size_t i = 0; i < theirs.size(); ++i) ranges[i].extend(theirs[i]);
+  reduceValues(ranks, ranges, [](Range a, const Range& b) {
+    a.extend(b);
+    return a;
+  });
 }
 
 void mergeBox(Collectives& ranks, Box& box) {
-  for (const auto& theirs : gatherValues<Box>(ranks, std::span<const Box>(&box, 1))) box.extend(theirs[0]);
+  reduceValues(ranks, std::span(&box, 1), [](Box a, const Box& b) {
+    a.extend(b);
+    return a;
+  });
 }
 
 }  // namespace gxy

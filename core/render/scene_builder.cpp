@@ -12,17 +12,14 @@ namespace {
 
 /// Whether `here` is true on every rank.
 bool everywhere(bool here, Collectives& ranks) {
-  const std::vector<Bytes> all = ranks.allGather(Bytes(1, std::byte(here)));
-  return std::all_of(all.begin(), all.end(), [](const Bytes& b) { return b.at(0) == std::byte(1); });
+  auto all = uint8_t(here);
+  reduceValues(ranks, std::span(&all, 1), std::bit_and<uint8_t>());
+  return all != 0;
 }
 
 /// Each rank has compiled its own partitions. A partition is visible if one rank says so.
 void mergeVisible(CompiledScene& scene, Collectives& ranks) {
-  Bytes mine(scene.visible.size());
-  std::transform(scene.visible.begin(), scene.visible.end(), mine.begin(),
-                 [](uint8_t visible) { return std::byte(visible); });
-  for (const Bytes& theirs : ranks.allGather(std::move(mine)))
-    for (size_t p = 0; p < theirs.size(); p++) scene.visible[p] |= uint8_t(theirs[p]);
+  reduceValues(ranks, std::span(scene.visible), std::bit_or<uint8_t>());
 }
 
 }  // namespace
