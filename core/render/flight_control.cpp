@@ -189,15 +189,17 @@ void FlightControl::fail(FlightBase& flight, const std::string& error) {
   transport_.send(0, options_.channels.control, head(Message::Failed, flight.id).write(told).take());
 }
 
-// Rank 0: the first error of a flight counts.
+// Rank 0: the first error of a flight counts. Where all ranks fail, they are told once that it is cancelled.
 void FlightControl::failed(FlightId id, const std::string& error) {
+  bool isFirst = false;
   {
     std::lock_guard lock(mutex_);
     const auto ending = endings_.find(id);
     if (ending == endings_.end()) throw Error(name(id) + " was said to have failed, but is not under way");
-    if (ending->second.error.empty()) ending->second.error = error;
+    isFirst = ending->second.error.empty();
+    if (isFirst) ending->second.error = error;
   }
-  cancelEverywhere(id);
+  if (isFirst) cancelEverywhere(id);
   completion_.retired(id, 1);
 }
 
