@@ -23,9 +23,10 @@ STATE = {
 
 class Server:
     """`programs`: the folder of gxyserver and gxydata; `mpiexec`: the command that starts ranks, in words; `options`: more of
-    gxyserver's."""
+    gxyserver's; `seconds`: that it may take to start, and half of that to stop; `wrapper`: a command that starts the server on each rank."""
 
-    def __init__(self, programs, mpiexec, ranks=2, options=()):
+    def __init__(self, programs, mpiexec, ranks=2, options=(), seconds=60, wrapper=()):
+        self._seconds = seconds
         self._temporary = tempfile.TemporaryDirectory(prefix="galaxy-clients-")
         self.folder = pathlib.Path(self._temporary.name)
         self.token = self.folder / "token"
@@ -35,10 +36,10 @@ class Server:
         port_file = self.folder / "port"
         self._log = open(self.folder / "server.log", "wb")
         self._process = subprocess.Popen(
-            [*mpiexec, "-n", str(ranks), self.programs / "gxyserver", "--port", "0", "--port-file", port_file,
+            [*mpiexec, "-n", str(ranks), *wrapper, self.programs / "gxyserver", "--port", "0", "--port-file", port_file,
              "--token-file", self.token, *options], cwd=self.folder, stdout=self._log, stderr=subprocess.STDOUT,
             env={**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"})
-        end = time.monotonic() + 60
+        end = time.monotonic() + seconds
         while not port_file.exists():
             if self._process.poll() is not None or time.monotonic() > end:
                 raise RuntimeError("gxyserver does not listen:\n" + self.log())
@@ -51,10 +52,10 @@ class Server:
     def stop(self):
         """Its exit status: 0 after `quit`."""
         try:
-            status = self._process.wait(5)
+            status = self._process.wait(self._seconds / 12)
         except subprocess.TimeoutExpired:
             self._process.send_signal(signal.SIGTERM)
-            status = self._process.wait(30)
+            status = self._process.wait(self._seconds / 2)
         self._log.close()
         self._temporary.cleanup()
         return status
