@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Geometry goes from the ranks that own its primitives to the partitions that these touch.
+// Geometry goes from the ranks that own its primitives to the partitions that these touch, and from the rank that has read it
+// to those that are to own it. So many primitives are under way at a time that messages take some megabytes.
 #pragma once
 #include <memory>
 
@@ -15,5 +16,10 @@ namespace gxy {
 /// partitions of this rank. Tells ranks.done() how far it is. If any rank fails, all throw the same Error.
 std::shared_ptr<Geometry> distribute(const OwnedGeometry& owned, const Partitioning& partitioning,
                                      const RadiusOf& radius, Collectives& ranks);
+
+/// Collective. Rank 0 has all primitives in a valid block, the other ranks have none. Returns the primitives whose home is this
+/// rank (homesOf()), in the order that they have in the block. If any rank fails, all throw the same Error.
+GeometryBlock keepHome(const GeometryBlock& all, GeometryKind kind, const Partitioning& partitioning,
+                       Collectives& ranks);
 
 }  // namespace gxy

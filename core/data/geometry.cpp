@@ -12,6 +12,7 @@
 
 #include "core/comm/error.h"
 #include "core/data/geometry_bytes.h"
+#include "core/data/joined.h"
 
 namespace gxy {
 namespace {
@@ -41,6 +42,24 @@ void appendPoint(GeometryBlock& to, const GeometryBlock& from, uint32_t point) {
   if (!from.colors.empty()) to.colors.push_back(from.colors[point]);
   if (!from.radiusValues.empty()) to.radiusValues.push_back(from.radiusValues[point]);
   appendFields(to.fields, from.fields, point);
+}
+
+/// Makes room for so many points with the attributes of `like`.
+void reservePoints(GeometryBlock& block, const GeometryBlock& like, size_t points) {
+  block.points.reserve(points);
+  if (!like.normals.empty()) block.normals.reserve(points);
+  if (!like.values.empty()) block.values.reserve(points);
+  if (!like.colors.empty()) block.colors.reserve(points);
+  if (!like.radiusValues.empty()) block.radiusValues.reserve(points);
+  for (PointField& f : block.fields) f.values.reserve(points * size_t(f.components));
+}
+
+void reservePrimitives(GeometryBlock& block, GeometryKind kind, size_t primitives) {
+  block.ids.reserve(primitives);
+  if (kind == GeometryKind::Triangles) block.triangles.reserve(primitives);
+  if (kind != GeometryKind::PathLines) return;
+  block.segments.reserve(primitives);
+  block.neighbours.reserve(primitives);
 }
 
 /// Appends primitive p of `from`. pointOf(index in `from`) returns the point's index in `to`, and adds the
@@ -116,48 +135,6 @@ class PointsByContent {
   const GeometryBlock& block_;
   std::vector<uint32_t> slots_;
 };
-
-GeometryBlock concatenated(GeometryKind kind, std::span<const GeometryBlock> parts) {
-  GeometryBlock all;
-  bool normals = false, values = false, colors = false, radii = false;
-  for (const GeometryBlock& part : parts) {
-    if (part.points.empty()) continue;
-    if (all.points.empty()) {
-      normals = !part.normals.empty();
-      values = !part.values.empty();
-      colors = !part.colors.empty();
-      radii = !part.radiusValues.empty();
-      all.fields = emptyLike(part.fields);
-    } else if (!areAlike(all.fields, part.fields)) {
-      fail(kind, "parts have different fields, expected the same names and components");
-    } else if (normals == part.normals.empty() || values == part.values.empty() ||
-               colors == part.colors.empty() || radii == part.radiusValues.empty()) {
-      fail(kind,
-           "some parts have normals, values, colours or radii and others have none, expected all alike");
-    }
-    const size_t offset = all.points.size();
-    if (offset + part.points.size() >= kNone)
-      fail(kind, "a partition has 2^32 - 1 points or more, expected fewer");
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    const auto appendIndices = [&](auto& to, const auto& from) {
-      for (auto indices : from) {
-        for (uint32_t& i : indices) i += uint32_t(offset);
-        to.push_back(indices);
-      }
-    };
-    append(all.points, part.points);
-    append(all.normals, part.normals);
-    append(all.values, part.values);
-    append(all.colors, part.colors);
-    append(all.radiusValues, part.radiusValues);
-    for (size_t f = 0; f < all.fields.size(); f++) append(all.fields[f].values, part.fields[f].values);
-    append(all.ids, part.ids);
-    appendIndices(all.triangles, part.triangles);
-    appendIndices(all.segments, part.segments);
-    appendIndices(all.neighbours, part.neighbours);
-  }
-  return all;
-}
 
 /// Whether segment p of a block continues segment p - 1: they share a point and are each other's neighbours.
 bool continuesLine(const GeometryBlock& block, size_t p) {
@@ -271,8 +248,8 @@ GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<co
                      const Advance& advance) {
   GeometryBlock chosen;
   chosen.fields = emptyLike(block.fields);
-  chosen.ids.reserve(primitives.size());
-  if (kind == GeometryKind::Particles) chosen.points.reserve(primitives.size());
+  reservePrimitives(chosen, kind, primitives.size());
+  if (kind == GeometryKind::Particles) reservePoints(chosen, block, primitives.size());
   const auto append = [&](auto&& numberOf) {
     for (size_t i = 0; i < primitives.size(); ++i) {
       tell(advance, i, primitives.size());
@@ -297,23 +274,32 @@ GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<co
 }
 
 GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts, const Advance& advance) {
-  GeometryBlock joined;
-  if (parts.size() != 1) joined = concatenated(kind, parts);
-  const GeometryBlock& all = parts.size() == 1 ? parts[0] : joined;
+  return merged(kind, joined(kind, {parts.begin(), parts.end()}), advance);
+}
+
+GeometryBlock merged(GeometryKind kind, GeometryBlock&& parts, const Advance& advance) {
+  GeometryBlock all = std::move(parts);
+  const auto twice = [&](uint64_t id) {
+    fail(kind, "primitive " + std::to_string(id) + " comes twice, expected each id once");
+  };
+  if (kind == GeometryKind::Particles) {
+    advance(0);
+    sortById(all);
+    const auto same = std::adjacent_find(all.ids.begin(), all.ids.end());
+    if (same != all.ids.end()) twice(*same);
+    return all;
+  }
   std::vector<uint32_t> order(all.ids.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto before = [&](uint32_t a, uint32_t b) { return all.ids[a] < all.ids[b]; };
   if (!std::is_sorted(order.begin(), order.end(), before)) std::sort(order.begin(), order.end(), before);
-  for (size_t i = 1; i < order.size(); ++i) {
-    if (all.ids[order[i]] == all.ids[order[i - 1]]) {
-      fail(kind, "primitive " + std::to_string(all.ids[order[i]]) + " comes twice, expected each id once");
-    }
-  }
+  for (size_t i = 1; i < order.size(); ++i)
+    if (all.ids[order[i]] == all.ids[order[i - 1]]) twice(all.ids[order[i]]);
   GeometryBlock block;
   block.fields = emptyLike(all.fields);
-  block.ids.reserve(order.size());
-  block.points.reserve(all.points.size());
-  PointsByContent byContent(block, kind == GeometryKind::Particles ? 1 : all.points.size());
+  reservePrimitives(block, kind, order.size());
+  reservePoints(block, all, all.points.size());
+  PointsByContent byContent(block, all.points.size());
   std::vector<uint32_t> indices(all.points.size(), kNone);  // saves a lookup by content at each further use
   for (size_t i = 0; i < order.size(); ++i) {
     tell(advance, i, order.size());

@@ -7,6 +7,7 @@
 #include "core/comm/error.h"
 #include "core/comm/wire.h"
 #include "core/data/geometry_bytes.h"
+#include "core/data/joined.h"
 
 namespace gxy {
 namespace {
@@ -60,12 +61,13 @@ std::vector<int> partitionsTouched(const Partitioning& partitioning, const Box& 
 
 std::vector<Bytes> packForOwners(const GeometryBlock& read, GeometryKind kind,
                                  const Partitioning& partitioning, const RadiusOf& radius, int ranks,
-                                 const Advance& advance) {
-  validate(read, kind);
+                                 const Advance& advance, PrimitiveSpan span) {
+  if (span.first == 0) validate(read, kind);
   std::vector<std::vector<uint32_t>> touching(static_cast<size_t>(partitioning.partitions()));
   const Advance finding = partOf(advance, 0, 2), packing = partOf(advance, 1, 2);
-  for (size_t p = 0; p < read.ids.size(); ++p) {
-    tell(finding, p, read.ids.size());
+  span.last = std::min(span.last, read.ids.size());
+  for (size_t p = span.first; p < span.last; ++p) {
+    tell(finding, p - span.first, span.last - span.first);
     const Bounds bounds = boundsOf(read, kind, p, radius);
     for (int part : partitionsTouched(partitioning, bounds.box, bounds.radius)) {
       touching[size_t(part)].push_back(uint32_t(p));
@@ -89,43 +91,46 @@ std::vector<Bytes> packForOwners(const GeometryBlock& read, GeometryKind kind,
   return messages;
 }
 
-std::map<int, GeometryBlock> unpackReceived(GeometryKind kind, const Partitioning& partitioning, int rank,
-                                            std::span<const Bytes> received, const Advance& advance) {
-  std::map<int, std::vector<GeometryBlock>> parts;
-  for (int part : partitioning.owned(rank)) parts[part];
-  for (const Bytes& message : received) {
+ReceivedBlocks::ReceivedBlocks(GeometryKind kind, const Partitioning& partitioning, int rank)
+    : kind_(kind), rank_(rank) {
+  for (int part : partitioning.owned(rank)) parts_[part];
+}
+
+void ReceivedBlocks::take(std::span<const Bytes> messages) {
+  for (const Bytes& message : messages) {
     Reader reader(message, "replicated primitives");
     while (!reader.rest().empty()) {
-      advance(0);
       const auto part = reader.read<int32_t>();
-      const auto at = parts.find(part);
-      if (at == parts.end()) {
+      const auto at = parts_.find(part);
+      if (at == parts_.end()) {
         reader.fail("partition " + std::to_string(part) + " came, expected one of rank " +
-                    std::to_string(rank));
+                    std::to_string(rank_));
       }
       at->second.push_back(readBlock(reader));
-      validate(at->second.back(), kind);
+      validate(at->second.back(), kind_);
     }
   }
+}
+
+std::map<int, GeometryBlock> ReceivedBlocks::merged(const Advance& advance) {
   std::map<int, GeometryBlock> blocks;
-  for (auto& [part, list] : parts) {
-    blocks.emplace(part, merged(kind, list, partOf(advance, blocks.size(), parts.size())));
-    list = {};
+  for (auto& [part, list] : parts_) {
+    const Advance mine = partOf(advance, blocks.size(), parts_.size());
+    blocks.emplace(part, gxy::merged(kind_, joined(kind_, std::move(list)), mine));
   }
   return blocks;
 }
 
-GeometryBlock keepHome(const GeometryBlock& read, GeometryKind kind, const Partitioning& partitioning,
-                       int rank, const Advance& advance) {
-  validate(read, kind);
-  std::vector<uint32_t> home;
-  const Advance finding = partOf(advance, 0, 2);
-  for (size_t p = 0; p < read.ids.size(); ++p) {
-    tell(finding, p, read.ids.size());
-    const glm::dvec3 first = read.points[*primitivePoints(read, kind, p).begin()];
-    if (partitioning.owner(partitioning.nearest(first)) == rank) home.push_back(uint32_t(p));
+std::vector<std::vector<uint32_t>> homesOf(const GeometryBlock& block, GeometryKind kind,
+                                           const Partitioning& partitioning, int ranks,
+                                           const Advance& advance) {
+  std::vector<std::vector<uint32_t>> homes(static_cast<size_t>(ranks));
+  for (size_t p = 0; p < block.ids.size(); ++p) {
+    tell(advance, p, block.ids.size());
+    const glm::dvec3 first = block.points[*primitivePoints(block, kind, p).begin()];
+    homes.at(size_t(partitioning.owner(partitioning.nearest(first)))).push_back(uint32_t(p));
   }
-  return subset(read, kind, home, partOf(advance, 1, 2));
+  return homes;
 }
 
 }  // namespace gxy

@@ -7,33 +7,24 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
 #include "core/comm/wire.h"
+#include "core/data/distribute.h"
+#include "core/data/joined.h"
 #include "core/data/merge_ranges.h"
-#include "core/data/replicate.h"
 #include "core/io/point_spread.h"
 
 namespace gxy {
 namespace {
 
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
-
-template <size_t N>
-void append(std::vector<std::array<uint32_t, N>>& to, std::vector<std::array<uint32_t, N>> from,
-            uint32_t shift) {
-  for (auto& indices : from)
-    for (uint32_t& index : indices) index += shift;
-  append(to, from);
-}
-
 /// What has been read so far on this rank. An attribute that one non-empty piece lacks is lost for all.
 struct Reading {
-  GeometryBlock block;
+  GeometryBlock block;  ///< once join() has been called
+  std::vector<GeometryBlock> parts;
+  size_t points = 0, pointsOfColors = 0, pointsOfValues = 0;  ///< of all parts
   bool values = true, colors = true, normals = true;
   uint64_t unusedCells = 0;
   LeftOut leftOut;
@@ -55,29 +46,28 @@ struct Reading {
     unusedCells += piece.unusedCells;
     leftOut += piece.leftOut;
     if (from.points.empty()) return;
-    if (block.points.size() + from.points.size() >= std::numeric_limits<uint32_t>::max())
+    if (points + from.points.size() >= std::numeric_limits<uint32_t>::max())
       throw Error("one rank would hold more than 2^32 - 2 points; use more ranks");
     if (array.empty()) array = piece.array;
-    const uint32_t shift = uint32_t(block.points.size());
     values = values && !from.values.empty();
     colors = colors && !from.colors.empty();
     normals = normals && !from.normals.empty();
-    if (block.points.empty()) {  // one file is not held twice
-      block = std::move(from);
-      return;
-    }
-    append(block.points, from.points);
-    if (!areAlike(block.fields, from.fields))
+    if (!parts.empty() && !areAlike(parts[0].fields, from.fields))
       throw Error("arrays for `fields` have other numbers of components in other pieces, expected the same");
-    for (size_t f = 0; f < block.fields.size(); f++) append(block.fields[f].values, from.fields[f].values);
-    append(block.values, from.values);
-    append(block.colors, from.colors);
-    append(block.radiusValues, from.radiusValues);
-    append(block.normals, from.normals);
-    append(block.segments, from.segments, shift);
-    append(block.neighbours, from.neighbours, shift);
-    append(block.triangles, from.triangles, shift);
-    block.ids.resize(block.ids.size() + from.ids.size());
+    points += from.points.size();
+    pointsOfColors += from.colors.size();
+    pointsOfValues += from.values.size();
+    parts.push_back(std::move(from));
+  }
+
+  /// Makes one block of the pieces.
+  void join(GeometryKind kind) {
+    for (GeometryBlock& part : parts) {
+      if (!values) part.values = {};
+      if (!colors) part.colors = {};
+      if (!normals) part.normals = {};
+    }
+    block = joined(kind, std::exchange(parts, {}));
   }
 };
 
@@ -98,7 +88,7 @@ class PieceReader {
         end_ = pieces_.size() * (size_t(ranks.rank()) + 1) / size_t(ranks.size());
         if (wanted.array.empty())
           if (const auto listed = valuesOfList(path)) choose(*listed);
-      } else {
+      } else if (ranks.rank() == 0) {
         end_ = pieces_.size();
       }
       first_ = next_;
@@ -113,6 +103,8 @@ class PieceReader {
       while (next_ < end_) add(read());
     });
     if (!wanted_.array.empty()) reading_.array = wanted_.array;
+    if (isOneFile()) reading_.array = ofRoot(reading_.array);
+    agree(ranks_, [&] { reading_.join(kind_); });
     return std::move(reading_);
   }
 
@@ -169,6 +161,13 @@ class PieceReader {
       add(std::move(*first));
     else
       --next_;  // to be read again
+  }
+
+  std::string ofRoot(const std::string& text) const {
+    Writer writer;
+    writer.write(text);
+    const std::vector<Bytes> told = ranks_.allGather(writer.take());
+    return Reader(told.at(0), "the name of an array").readString();
   }
 
   const GeometryKind kind_;
@@ -257,15 +256,15 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
   geometry.name = std::filesystem::path(path).stem().string();
   geometry.kind = kind;
   PieceReader reader(path, kind, wanted, ranks, toTake);
-  loaded.everywhere = reader.isOneFile();
+  loaded.onRoot = reader.isOneFile();
   const size_t rank = size_t(ranks.rank());
   Reading reading = reader.run();
 
   const bool values = sumOfCounts(ranks, !reading.values) == 0;
   const bool normals = sumOfCounts(ranks, !reading.normals) == 0;
   const bool colors = sumOfCounts(ranks, !reading.colors) == 0;
-  const uint64_t pointsOfColors = sumOfCounts(ranks, reading.block.colors.size());
-  const uint64_t pointsOfValues = sumOfCounts(ranks, reading.block.values.size());
+  const uint64_t pointsOfColors = sumOfCounts(ranks, reading.pointsOfColors);
+  const uint64_t pointsOfValues = sumOfCounts(ranks, reading.pointsOfValues);
   if (!values) reading.block.values.clear();
   if (!colors) reading.block.colors.clear();
   geometry.colored = colors && pointsOfColors > 0;
@@ -277,20 +276,18 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
   // Pieces are numbered one after the other, those of lower ranks first.
   const std::vector<uint64_t> counts = gatherCounts(ranks, reading.block.ids.size());
   const uint64_t before = std::accumulate(counts.begin(), counts.begin() + ranks.rank(), uint64_t(0));
-  std::iota(reading.block.ids.begin(), reading.block.ids.end(), loaded.everywhere ? uint64_t(0) : before);
+  std::iota(reading.block.ids.begin(), reading.block.ids.end(), before);
   uint64_t dropped = 0;
   agree(ranks, [&] { dropped = uint64_t(dropUnusable(reading.block, kind)); });
   geometry.block = std::move(reading.block);
   loaded.leftOut = reading.leftOut;
-  geometry.droppedPrimitives = loaded.everywhere ? dropped : sumOfCounts(ranks, dropped);
-  const uint64_t read =
-      loaded.everywhere ? counts[0] : std::accumulate(counts.begin(), counts.end(), uint64_t(0));
+  geometry.droppedPrimitives = sumOfCounts(ranks, dropped);
+  const uint64_t read = std::accumulate(counts.begin(), counts.end(), uint64_t(0));
   geometry.primitives = read - geometry.droppedPrimitives;
   const uint64_t unused = sumOfCounts(ranks, reading.unusedCells);
   if (geometry.primitives + geometry.droppedPrimitives == 0 && unused > 0)
     throw Error(path + ": the file has no " + plural(kind) + ", only other kinds of cells");
-  std::vector<std::string> told =
-      loaded.everywhere && rank != 0 ? std::vector<std::string>() : reading.warnings;
+  std::vector<std::string> told = reading.warnings;
   if (geometry.droppedPrimitives > 0 && rank == 0)
     told.push_back(path + ": " + std::to_string(geometry.droppedPrimitives) + " " + plural(kind) +
                    " dropped: not finite, without area, or repeated");
@@ -335,11 +332,8 @@ void measureGeometry(LoadedGeometry& loaded, Collectives& ranks) {
 }
 
 OwnedGeometry ownedGeometry(LoadedGeometry loaded, const Partitioning& partitioning, Collectives& ranks) {
-  if (loaded.everywhere && ranks.size() > 1)
-    agree(ranks, [&] {
-      loaded.geometry.block = keepHome(loaded.geometry.block, loaded.geometry.kind, partitioning,
-                                       ranks.rank(), [&](double) { ranks.check(); });
-    });
+  if (loaded.onRoot && ranks.size() > 1)
+    loaded.geometry.block = keepHome(loaded.geometry.block, loaded.geometry.kind, partitioning, ranks);
   return std::move(loaded.geometry);
 }
 

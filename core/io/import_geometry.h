@@ -14,13 +14,13 @@ namespace gxy {
 
 /// The result of reading a geometry file on one rank.
 struct LoadedGeometry {
-  OwnedGeometry geometry;   ///< ids are in file order
-  bool everywhere = false;  ///< the format has no pieces, so every rank has read all primitives
-  LeftOut leftOut;          ///< of the files that this rank has read
+  OwnedGeometry geometry;  ///< ids are in file order
+  bool onRoot = false;     ///< the format has no pieces, so rank 0 has read all primitives
+  LeftOut leftOut;         ///< of the files that this rank has read
 };
 
-/// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp, .pvts, .pvtr or .part, else all of
-/// the file. Unusable primitives (a coordinate that is not finite, triangles without area, repeated points of
+/// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp, .pvts, .pvtr or .part, else rank 0
+/// reads all of the file. Unusable primitives (a coordinate that is not finite, triangles without area, repeated points of
 /// lines) are dropped and counted.
 /// Values are of the same array in all pieces. If `wanted` names it, each piece must have it; else it is the one that a .pvtu
 /// or .pvtp declares, or that is chosen of the first piece with points. Each piece must also have the array of radii, if
@@ -36,7 +36,7 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
 /// of primitives are complete. Ranks with points have the same fields; those without get them. If any rank fails, all throw the same Error.
 void measureGeometry(LoadedGeometry& loaded, Collectives& ranks);
 
-/// Collective. Gives each primitive one owner. If every rank has read all primitives, each rank keeps those that keepHome()
+/// Collective. Gives each primitive one owner. If rank 0 has read all primitives, each rank gets those that keepHome()
 /// gives to it; otherwise the rank that has read a primitive owns it. If any rank fails, all throw the same Error.
 OwnedGeometry ownedGeometry(LoadedGeometry loaded, const Partitioning& partitioning, Collectives& ranks);
 

@@ -44,7 +44,6 @@ void count(const LoadedGeometry& loaded, Collectives& ranks, Axes& axes) {
   for (size_t p = 0; p < block.ids.size(); p++)
     for (const uint32_t point : primitivePoints(block, loaded.geometry.kind, p))
       for (size_t a = 0; a < 3; a++) axes[a].add(block.points[point][int(a)]);
-  if (loaded.everywhere) return;
   constexpr size_t kEach = sizeof(Counts::bins);
   Bytes mine(3 * kEach);
   for (size_t a = 0; a < 3; a++) std::memcpy(mine.data() + a * kEach, axes[a].bins.data(), kEach);

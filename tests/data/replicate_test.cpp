@@ -97,6 +97,15 @@ std::set<uint64_t> idsTouching(const GeometryBlock& all, GeometryKind kind, cons
   return ids;
 }
 
+/// The blocks of all partitions of a rank, when all messages come at once.
+std::map<int, GeometryBlock> unpackReceived(
+    GeometryKind kind, const Partitioning& p, int rank, std::span<const Bytes> messages,
+    const Advance& advance = [](double) {}) {
+  ReceivedBlocks received(kind, p, rank);
+  received.take(messages);
+  return received.merged(advance);
+}
+
 /// All blocks when the primitives are spread over the ranks at random and messages arrive in random order.
 std::map<int, GeometryBlock> replicateOver(std::mt19937& random, const GeometryBlock& all, GeometryKind kind,
                                            const Partitioning& p, int ranks) {
@@ -181,10 +190,8 @@ TEST_P(Replicate, EachPrimitiveHasOneHome) {
   const Partitioning p = test::randomPartitioning(random, domainBox(), 9, 5);
   const GeometryBlock all = randomGeometry(random, GetParam(), p, 300);
   std::vector<uint64_t> ids;
-  for (int r = 0; r < 5; ++r) {
-    const GeometryBlock home = keepHome(all, GetParam(), p, r);
-    ids.insert(ids.end(), home.ids.begin(), home.ids.end());
-  }
+  for (const std::vector<uint32_t>& home : homesOf(all, GetParam(), p, 5))
+    for (const uint32_t primitive : home) ids.push_back(all.ids[primitive]);
   std::sort(ids.begin(), ids.end());
   EXPECT_EQ(ids, all.ids);
 }
@@ -193,8 +200,9 @@ TEST_P(Replicate, IsEndedWhereverItsProgressThrows) {
   std::mt19937 random(47);
   const Partitioning p = test::randomPartitioning(random, domainBox(), 5, 1);
   const GeometryBlock all = randomGeometry(random, GetParam(), p, 30'000);
-  GeometryBlock home;
-  EXPECT_GE(test::timesEnded([&](const Advance& a) { home = keepHome(all, GetParam(), p, 0, a); }), 3);
+  std::vector<std::vector<uint32_t>> homes;
+  EXPECT_GE(test::timesEnded([&](const Advance& a) { homes = homesOf(all, GetParam(), p, 1, a); }), 3);
+  const GeometryBlock home = subset(all, GetParam(), homes.at(0));
   std::vector<Bytes> messages;
   EXPECT_GE(test::timesEnded(
                 [&](const Advance& a) { messages = packForOwners(home, GetParam(), p, radiusOf, 1, a); }),

@@ -76,7 +76,9 @@ void shrink(Bytes& frameMessage) {
 
 void unpack(const Scene& s, GeometryKind kind, const Bytes& message) {
   try {
-    unpackReceived(kind, s.cut.partitioning, 0, std::span(&message, 1));
+    ReceivedBlocks received(kind, s.cut.partitioning, 0);
+    received.take(std::span(&message, 1));
+    received.merged();
   } catch (const Error&) {
   }
 }

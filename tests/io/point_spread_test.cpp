@@ -14,7 +14,6 @@ namespace {
 /// Points (i + 0.5) / side of a cube, and one far away; every `of`th of them.
 LoadedGeometry cube(int side, glm::dvec3 far, int part = 0, int of = 1) {
   LoadedGeometry g;
-  g.everywhere = of == 1;
   for (int n = 0; n <= side * side * side; n++) {
     const bool last = n == side * side * side;
     const glm::dvec3 p =
@@ -44,7 +43,6 @@ TEST(PointSpread, OutliersDoNotCount) {
 TEST(PointSpread, FlatAndSinglePoints) {
   SingleRank one;
   LoadedGeometry g;
-  g.everywhere = true;
   for (uint64_t n = 0; n < 400; n++) {
     g.geometry.block.points.push_back({double(n % 20), double(n / 20), 3});
     g.geometry.block.ids.push_back(n);
@@ -54,7 +52,6 @@ TEST(PointSpread, FlatAndSinglePoints) {
   EXPECT_NEAR(spreadOf(g, one).spacing, 19.0 / 20, 0.05);  // of a plane
   EXPECT_EQ(spreadOf(g, one).middle, g.geometry.box);
   LoadedGeometry point;
-  point.everywhere = true;
   point.geometry.block.points = {{1, 2, 3}};
   point.geometry.block.ids = {0};
   point.geometry.box.extend(glm::dvec3(1, 2, 3));
