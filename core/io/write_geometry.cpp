@@ -34,85 +34,6 @@
 namespace gxy {
 namespace {
 
-void addPolylines(vtkCellArray* cells, const GeometryBlock& block) {
-  const auto& segments = block.segments;
-  const auto continues = [&](size_t i) {  // segment i continues segment i - 1, and they are neighbours
-    return i > 0 && i < segments.size() && segments[i - 1][1] == segments[i][0] &&
-           block.neighbours[i][0] == segments[i - 1][0] && block.neighbours[i - 1][1] == segments[i][1];
-  };
-  const auto ids = vtkSmartPointer<vtkIdList>::New();
-  for (size_t i = 0; i < segments.size(); ++i) {
-    if (!continues(i)) {
-      ids->Reset();
-      ids->InsertNextId(segments[i][0]);
-    }
-    ids->InsertNextId(segments[i][1]);
-    if (!continues(i + 1)) cells->InsertNextCell(ids);
-  }
-}
-
-vtkSmartPointer<vtkCellArray> cellsOf(const GeometryBlock& block, GeometryKind kind) {
-  const auto cells = vtkSmartPointer<vtkCellArray>::New();
-  if (kind == GeometryKind::PathLines) addPolylines(cells, block);
-  if (kind == GeometryKind::Triangles)
-    for (const auto& t : block.triangles) {
-      const vtkIdType corners[3] = {t[0], t[1], t[2]};
-      cells->InsertNextCell(3, corners);
-    }
-  if (kind == GeometryKind::Particles)
-    for (vtkIdType i = 0; i < vtkIdType(block.points.size()); ++i) cells->InsertNextCell(1, &i);
-  return cells;
-}
-
-template <class Array, class ComponentOf>
-vtkSmartPointer<Array> colorArray(const std::vector<glm::vec3>& colors, ComponentOf componentOf) {
-  const auto array = vtkSmartPointer<Array>::New();
-  array->SetName("RGB");
-  array->SetNumberOfComponents(3);
-  array->SetNumberOfTuples(vtkIdType(colors.size()));
-  for (size_t i = 0; i < colors.size(); ++i)
-    for (int c = 0; c < 3; ++c) array->SetTypedComponent(vtkIdType(i), c, componentOf(colors[i][c]));
-  return array;
-}
-
-void setPoints(vtkPointSet* set, const GeometryBlock& block, const std::string& array, bool bytes) {
-  const auto points = vtkSmartPointer<vtkPoints>::New();
-  points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(vtkIdType(block.points.size()));
-  for (size_t i = 0; i < block.points.size(); ++i)
-    points->SetPoint(vtkIdType(i), block.points[i].x, block.points[i].y, block.points[i].z);
-  set->SetPoints(points);
-  if (!block.values.empty()) {
-    const auto values = vtkSmartPointer<vtkFloatArray>::New();
-    values->SetName(array.c_str());
-    values->SetNumberOfTuples(vtkIdType(block.values.size()));
-    for (size_t i = 0; i < block.values.size(); ++i) values->SetValue(vtkIdType(i), block.values[i]);
-    set->GetPointData()->SetScalars(values);
-  }
-  if (!block.colors.empty() && bytes)
-    set->GetPointData()->SetScalars(colorArray<vtkUnsignedCharArray>(block.colors, byteOf));
-  if (!block.colors.empty() && !bytes)
-    set->GetPointData()->SetScalars(colorArray<vtkFloatArray>(block.colors, [](float c) { return c; }));
-  for (const PointField& f : block.fields) {
-    if (repeatsValues(block, f, array)) continue;
-    const auto values = vtkSmartPointer<vtkFloatArray>::New();
-    values->SetName(f.name.c_str());
-    values->SetNumberOfComponents(f.components);
-    values->SetNumberOfTuples(vtkIdType(block.points.size()));
-    std::copy(f.values.begin(), f.values.end(), values->GetPointer(0));
-    set->GetPointData()->AddArray(values);
-  }
-  if (!block.normals.empty()) {
-    const auto normals = vtkSmartPointer<vtkFloatArray>::New();
-    normals->SetName("Normals");
-    normals->SetNumberOfComponents(3);
-    normals->SetNumberOfTuples(vtkIdType(block.normals.size()));
-    for (size_t i = 0; i < block.normals.size(); ++i)
-      normals->SetTuple3(vtkIdType(i), block.normals[i].x, block.normals[i].y, block.normals[i].z);
-    set->GetPointData()->SetNormals(normals);
-  }
-}
-
 template <class Writer>
 void writeXml(const std::string& path, vtkDataObject* data) {
   VtkMessages messages;
@@ -144,26 +65,10 @@ void writeGeometry(const std::string& path, const GeometryBlock& block, Geometry
     if (kind != GeometryKind::Particles) throw Error(path + ": a .csv file holds particles only");
     return writeCsv(path, block, array);
   }
-  const auto cells = cellsOf(block, kind);
   const bool bytes = haveBytes(whole ? whole->colors : block.colors);
-  if (extension == ".vtp") {
-    const auto data = vtkSmartPointer<vtkPolyData>::New();
-    setPoints(data, block, array, bytes);
-    if (kind == GeometryKind::Particles) data->SetVerts(cells);
-    if (kind == GeometryKind::PathLines) data->SetLines(cells);
-    if (kind == GeometryKind::Triangles) data->SetPolys(cells);
-    writeXml<vtkXMLPolyDataWriter>(path, data);
-  } else if (extension == ".vtu") {
-    const auto data = vtkSmartPointer<vtkUnstructuredGrid>::New();
-    setPoints(data, block, array, bytes);
-    data->SetCells(kind == GeometryKind::Particles   ? VTK_VERTEX
-                   : kind == GeometryKind::PathLines ? VTK_POLY_LINE
-                                                     : VTK_TRIANGLE,
-                   cells);
-    writeXml<vtkXMLUnstructuredGridWriter>(path, data);
-  } else {
-    throw Error(path + ": cannot write this kind of geometry: expected .vtp, .vtu, .csv, .ply or .stl");
-  }
+  if (extension == ".vtp") return writeVtp(path, block, kind, array, bytes);
+  if (extension == ".vtu") return writeVtu(path, block, kind, array, bytes);
+  throw Error(path + ": cannot write this kind of geometry: expected .vtp, .vtu, .csv, .ply or .stl");
 }
 
 namespace {

@@ -45,7 +45,11 @@ struct GeometryPiece {
 void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiece>& pieces,
                          const GeometryBlock& like, const std::string& array = "data");
 
-/// The .csv, .ply and .stl writers.
+/// The writers of single formats. `bytes`: colours are written as unsigned char.
+void writeVtp(const std::string& path, const GeometryBlock& block, GeometryKind kind,
+              const std::string& array, bool bytes);
+void writeVtu(const std::string& path, const GeometryBlock& block, GeometryKind kind,
+              const std::string& array, bool bytes);
 void writeCsv(const std::string& path, const GeometryBlock& block, const std::string& array);
 void writePly(const std::string& path, const GeometryBlock& block);
 void writeStl(const std::string& path, const GeometryBlock& block);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/comm/error.h"
+#include "core/comm/parallel_for.h"
 #include "core/io/write_geometry.h"
 #include "tools/gxydata/commands.h"
 
@@ -48,7 +49,9 @@ void makeParticles(const Options& options) {
   constexpr uint64_t clusters = 24;
   writeSteps(options, GeometryKind::Particles, "distance", [&](double phase) {
     GeometryBlock block;
-    for (uint64_t i = 0; i < count; ++i) {
+    block.points.resize(count);
+    block.values.resize(count);
+    const auto make = [&](uint64_t i) {
       const auto random = [&](uint64_t k) { return uniform(seed ^ 0x9a47, 8 * i + k); };
       glm::dvec3 p = 2.0 * glm::dvec3(random(0), random(1), random(2)) - 1.0;
       double value = 4;
@@ -62,9 +65,10 @@ void makeParticles(const Options& options) {
         p = centre + radius * g;
         value = std::min(glm::length(g), 4.0);
       }
-      block.points.push_back(p);
-      block.values.push_back(float(value));
-    }
+      block.points[i] = p;
+      block.values[i] = float(value);
+    };
+    parallelFor(uint64_t(0), count, make, [](double) {});
     return block;
   });
 }
@@ -83,22 +87,29 @@ void makeSphereMesh(const Options& options) {
                             std::sin(polar) * std::sin(azimuth));
     };
     GeometryBlock block;
-    const auto add = [&](double polar, double azimuth) {
+    const size_t points = size_t(rows - 1) * columns + 2;
+    block.points.resize(points);
+    block.normals.resize(points);
+    block.values.resize(points);
+    const auto set = [&](size_t n, double polar, double azimuth) {
       const double h = 1e-5;
       glm::dvec3 normal = glm::cross(point(polar, azimuth + h) - point(polar, azimuth - h),
                                      point(polar + h, azimuth) - point(polar - h, azimuth));
       const glm::dvec3 p = point(polar, azimuth);
       if (polar == 0 || polar == pi) normal = p;  // Meridians meet here.
-      block.points.push_back(p);
-      block.normals.push_back(glm::vec3(glm::normalize(normal)));
-      block.values.push_back(float(height(polar, azimuth)));
+      block.points[n] = p;
+      block.normals[n] = glm::vec3(glm::normalize(normal));
+      block.values[n] = float(height(polar, azimuth));
     };
-    add(0, 0);
-    for (uint32_t j = 1; j < rows; ++j)
-      for (uint32_t i = 0; i < columns; ++i) add(pi * j / rows, 2 * pi * i / columns);
-    add(pi, 0);
-    const uint32_t last = uint32_t(block.points.size()) - 1;
+    const uint32_t last = uint32_t(points) - 1;
+    set(0, 0, 0);
+    const auto setOneOfRows = [&](uint32_t n) {
+      set(n, pi * ((n - 1) / columns + 1) / rows, 2 * pi * ((n - 1) % columns) / columns);
+    };
+    parallelFor(uint32_t(1), last, setOneOfRows, [](double) {});
+    set(last, pi, 0);
     const auto at = [&](uint32_t j, uint32_t i) { return 1 + (j - 1) * columns + i % columns; };
+    block.triangles.reserve(size_t(rows - 1) * columns * 2);
     for (uint32_t i = 0; i < columns; ++i) {
       block.triangles.push_back({0, at(1, i + 1), at(1, i)});
       for (uint32_t j = 1; j + 1 < rows; ++j) {
