@@ -5,6 +5,8 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <vector>
 
 #include "core/comm/error.h"
@@ -59,31 +61,53 @@ class Base64Bytes final : public ByteStream {
     size_t n = 0;
     while (n < out.size() && !ended_) {
       const auto text = text_.peek();
+      ended_ = text.empty();
       size_t used = 0;
-      for (; used < text.size() && n < out.size() && !ended_; ++used) {
-        const auto c = static_cast<unsigned char>(text[used]);
-        if (c == ' ' || (c >= '\t' && c <= '\r')) continue;
-        const int digit = valueOf(c);
-        ended_ = digit < 0;
+      while (used < text.size() && n < out.size() && !ended_) {
+        if (held_ == 0) {
+          const size_t groups = decodeGroups(text.subspan(used), out.subspan(n));
+          used += 4 * groups, n += 3 * groups;
+          if (used == text.size() || n == out.size()) break;
+        }
+        const int digit = kDigits[size_t(text[used])];
+        ended_ = digit == kOther;
         if (ended_) break;
+        used++;
+        if (digit == kSpace) continue;
         bits_ = bits_ << 6 | uint32_t(digit);
         held_ += 6;
         if (held_ < 8) continue;
         held_ -= 8;
         out[n++] = std::byte(bits_ >> held_ & 0xff);
       }
-      ended_ = ended_ || text.empty();
       text_.take(used);
     }
     return n;
   }
 
  private:
-  static int valueOf(unsigned char c) {
-    if (c >= 'A' && c <= 'Z') return c - 'A';
-    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-    if (c >= '0' && c <= '9') return c - '0' + 52;
-    return c == '+' ? 62 : c == '/' ? 63 : -1;
+  static constexpr int8_t kSpace = -1, kOther = -2;  ///< what is no digit is negative
+  static constexpr std::array<int8_t, 256> kDigits = [] {
+    std::array<int8_t, 256> digits;
+    digits.fill(kOther);
+    for (const char c : {' ', '\t', '\n', '\v', '\f', '\r'}) digits[size_t(c)] = kSpace;
+    constexpr std::string_view kAll = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < kAll.size(); i++) digits[size_t(kAll[i])] = int8_t(i);
+    return digits;
+  }();
+
+  /// Decodes groups of four digits into three bytes each, up to the first that has another character or no room. Returns
+  /// their number.
+  static size_t decodeGroups(std::span<const std::byte> text, std::span<std::byte> out) {
+    const size_t most = std::min(text.size() / 4, out.size() / 3);
+    for (size_t group = 0; group < most; group++) {
+      const auto digit = [&](size_t i) { return int(kDigits[size_t(text[4 * group + i])]); };
+      const int a = digit(0), b = digit(1), c = digit(2), d = digit(3);
+      if ((a | b | c | d) < 0) return group;
+      const uint32_t bits = uint32_t(a << 18 | b << 12 | c << 6 | d);
+      for (size_t i = 0; i < 3; i++) out[3 * group + i] = std::byte(bits >> (16 - 8 * i) & 0xff);
+    }
+    return most;
   }
 
   Input text_;

@@ -5,8 +5,12 @@
 #include <vtkCellType.h>
 #include <vtkDataArray.h>
 #include <vtkDataSetAttributes.h>
+#include <vtkDoubleArray.h>
+#include <vtkFloatArray.h>
 #include <vtkIdList.h>
 #include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
 #include <vtkUnsignedCharArray.h>
 
 #include <cmath>
@@ -35,6 +39,21 @@ double magnitude(vtkDataArray* array, vtkIdType i) {
   for (int c = 0; c < array->GetNumberOfComponents(); ++c)
     sum += array->GetComponent(i, c) * array->GetComponent(i, c);
   return std::sqrt(sum);
+}
+
+std::vector<glm::dvec3> pointsOf(vtkPointSet* set) {
+  const vtkIdType count = set->GetNumberOfPoints();
+  std::vector<glm::dvec3> points(static_cast<size_t>(count));
+  const auto doubles = count ? vtkDoubleArray::SafeDownCast(set->GetPoints()->GetData()) : nullptr;
+  if (doubles && doubles->GetNumberOfComponents() == 3) {
+    std::memcpy(points.data(), doubles->GetPointer(0), points.size() * sizeof points[0]);
+    return points;
+  }
+  for (vtkIdType i = 0; i < count; ++i) {
+    const double* p = set->GetPoint(i);
+    points[size_t(i)] = {p[0], p[1], p[2]};
+  }
+  return points;
 }
 
 /// Returns the array of values among the arrays that have been read; null if the file has no values.
@@ -251,11 +270,11 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
   const bool colored = values && isColors(values);
   if (toTake) toTake(bytesOf(most, primitives, kind, colored, radii, fieldFloats));
   GeometryBlock& block = content.block;
-  block.points.reserve(size_t(count));
-  for (vtkIdType i = 0; i < count; ++i) {
-    const double* p = set->GetPoint(i);
-    block.points.push_back({p[0], p[1], p[2]});
-  }
+  // Most of the memory of particles is freed before they are copied, or as soon as they are: cells serve values of cells only.
+  const bool isPoints = !cells && !content.ofCells;
+  if (const auto mesh = vtkPolyData::SafeDownCast(set); mesh && isPoints) mesh->SetVerts(nullptr);
+  block.points = pointsOf(set);
+  if (isPoints) set->SetPoints(nullptr);
   if (values) content.array = values->GetName();
   std::optional<ColorsOf> colorOf;
   if (colored) colorOf.emplace(values, flaws);
@@ -269,7 +288,11 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
   if (values && !split) {
     colored ? block.colors.reserve(size_t(count)) : block.values.reserve(size_t(count));
     const std::vector<vtkIdType> cellOf = content.ofCells ? vertexCells(set) : std::vector<vtkIdType>();
-    for (vtkIdType i = 0; i < count; ++i) give(block, content.ofCells ? cellOf[size_t(i)] : i);
+    const auto floats = vtkFloatArray::SafeDownCast(values);
+    if (floats && !colored && !content.ofCells && floats->GetNumberOfComponents() == 1)
+      block.values.assign(floats->GetPointer(0), floats->GetPointer(0) + count);
+    else
+      for (vtkIdType i = 0; i < count; ++i) give(block, content.ofCells ? cellOf[size_t(i)] : i);
   }
   block.radiusValues.reserve(radii ? size_t(count) : 0);
   for (vtkIdType i = 0; radii && i < count; ++i) block.radiusValues.push_back(float(magnitude(radii, i)));
