@@ -63,6 +63,9 @@ class Tree {
     build.maxDepth = deepest;
     build.minLeafSize = smallest;
     build.maxLeafSize = Largest;
+    // The heuristic counts leaves, and not primitives, as a step takes as long for one primitive as for a whole leaf. So leaves
+    // are nearly full.
+    build.sahBlockSize = smallest;
     build.bvh = bvh_.get();
     build.primitives = primitives.data();
     build.primitiveCount = build.primitiveArrayCapacity = primitives.size();

@@ -208,22 +208,36 @@ GeometryInPartition compilePart(const GeometryBlock& all, GeometryKind kind, con
                                 const RenderSpace& space, const Advance& advance) {
   const Advance sorting = partOf(advance, 0, 3), gathering = partOf(advance, 1, 3),
                 converting = partOf(advance, 2, 3);
-  const GeometryBlock block = subset(all, kind, alongCurve(all, kind, space, sorting), gathering);
+  const std::vector<uint32_t> order = alongCurve(all, kind, space, sorting);
+  const bool particles =
+      kind == GeometryKind::Particles;  // They need no copy in order, as they share no points.
+  const GeometryBlock ordered = particles ? GeometryBlock() : subset(all, kind, order, gathering);
+  const GeometryBlock& block = particles ? all : ordered;
+  const size_t points = block.points.size();
   GeometryInPartition part;
-  part.values = block.values;
-  part.points.reserve(block.points.size() * 4);
-  for (size_t i = 0; i < block.points.size(); i++) {
-    tell(converting, i, block.points.size());
+  part.points.reserve(4 * points);
+  part.values.reserve(block.values.size());
+  part.normals.reserve(3 * block.normals.size());
+  part.colors.reserve(3 * block.colors.size());
+  for (size_t n = 0; n < points; n++) {
+    tell(converting, n, points);
+    const size_t i = particles ? order[n] : n;
     const glm::dvec3 p = space.toRender(block.points[i]);
     const double radius =
         kind == GeometryKind::Triangles ? 0 : radiusOf(vis, radiusValue(block, i)) * space.scale;
     for (double x : {p.x, p.y, p.z, radius}) part.points.push_back(float(x));
+    if (!block.values.empty()) part.values.push_back(block.values[i]);
+    const auto append = [i](std::vector<float>& to, const std::vector<glm::vec3>& from) {
+      if (!from.empty()) to.insert(to.end(), {from[i].x, from[i].y, from[i].z});
+    };
+    append(part.normals, block.normals);
+    append(part.colors, block.colors);
   }
   const auto append = [](auto& to, const auto& from) {
+    to.reserve(to.size() +
+               from.size() * std::tuple_size_v<typename std::decay_t<decltype(from)>::value_type>);
     for (const auto& numbers : from) to.insert(to.end(), std::begin(numbers), std::end(numbers));
   };
-  for (const glm::vec3& n : block.normals) part.normals.insert(part.normals.end(), {n.x, n.y, n.z});
-  for (const glm::vec3& c : block.colors) part.colors.insert(part.colors.end(), {c.x, c.y, c.z});
   append(part.indices, block.segments);
   append(part.indices, block.triangles);
   append(part.neighbours, block.neighbours);
