@@ -5,6 +5,7 @@
 
 #include "core/data/distribute.h"
 #include "core/data/shown_array.h"
+#include "core/space/freed_memory.h"
 
 namespace gxy {
 
@@ -104,6 +105,7 @@ BuiltScene SceneBuilder::build(SceneSource source, Collectives& ranks, const Ent
     const std::lock_guard lock(mutex_);
     scenes_.push_back(scene);
   });
+  returnFreedMemory();
   return built;
 }
 

@@ -15,6 +15,7 @@
 #include "core/io/import_mesh.h"
 #include "core/io/import_volume.h"
 #include "core/scene/json_text.h"
+#include "core/space/freed_memory.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/session.h"
 
@@ -300,6 +301,7 @@ json Datasets::importHere(const json& p) {
       agreedPartitioning(p, import.box, import.firstGrid ? &*import.firstGrid : nullptr, ranks));
   import.stage(publication);
   publish(publication, exchange);
+  returnFreedMemory();
   return import.warnings;
 }
 
