@@ -46,6 +46,14 @@ class Server:
             time.sleep(0.05)
         self.port = int(port_file.read_text())
 
+    @property
+    def process(self):
+        """The number of the process that starts the ranks."""
+        return self._process.pid
+
+    def terminate(self):
+        self._process.terminate()
+
     def log(self):
         return (self.folder / "server.log").read_text()
 
