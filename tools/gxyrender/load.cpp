@@ -10,6 +10,7 @@
 #include <set>
 
 #include "core/comm/error.h"
+#include "core/data/geometry_bytes.h"
 #include "core/io/automatic_partitioning.h"
 #include "core/io/import_geometry.h"
 #include "core/io/import_mesh.h"
@@ -137,6 +138,7 @@ class Loader {
       const auto dataset = newDataset(*specs_.at(name));
       dataset->geometry =
           std::make_shared<const OwnedGeometry>(ownedGeometry(std::move(g), *partitioning_, ranks_));
+      dataset->memory = ledger_.enter(kTenant, "geometry", bytesOf(dataset->geometry->block));
       datasets_[name] = dataset;
     }
   }
