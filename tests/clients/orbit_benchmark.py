@@ -13,7 +13,8 @@ messages    between ranks for a frame: of rays, of contributions, all; and their
 ledger      the most that the ledgers of all ranks have held so far, summed, in megabytes
 processes   the most that all ranks' processes have held so far, in megabytes (resident, looked at four times a second)
 
-The same goes to OUT.json, and a chart of the frames a second to OUT.svg. A server whose ranks together hold more than --memory
+The same goes to OUT.json, and a chart of the frames a second to OUT.svg. What OUT.json has already of the same views and data
+is not run again, so that a run may be interrupted, or done in parts. A server whose ranks together hold more than --memory
 gigabytes is stopped, and its rows are left out. Pictures of one view must be the same in all runs, else the program fails.
 --short takes tiny data and pictures, and half a minute.
 """
@@ -192,20 +193,34 @@ class Orbit:
 class Bench:
     def __init__(self, arguments):
         self._arguments = arguments
-        self._sums = {}  # of pictures, by scene and view
-        self.rows = []
+        self._what = {"frames": arguments.frames, "size": arguments.size, "cores": len(os.sched_getaffinity(0)),
+                      "data": {scene.name: scene.file for scene in scenes_of(arguments.short, arguments.particles).values()}}
+        self._results = arguments.out.with_suffix(".json")
+        self.rows, self._sums = [], {}  # of pictures, by scene and view
+        if self._results.exists():
+            known = json.loads(self._results.read_text())
+            if known["what"] != self._what:
+                raise Failure(f"{self._results} is of {known['what']}, expected {self._what}; name another --out")
+            self.rows, self._sums = known["rows"], known["pictures"]
+
+    def is_known(self, scene, ranks, in_flight):
+        return any((r["scene"], r["ranks"], r["in flight"]) == (scene.name, ranks, in_flight) for r in self.rows)
 
     def run(self):
         a = self._arguments
         print("| scene | ranks | in flight | frames/s | CPU s | messages: rays, contributions, all | MB | ledger, MB "
               "| processes, MB |")
         print("|---|---|---|---|---|---|---|---|---|", flush=True)
+        for row in self.rows:
+            self.show(row)
         for scene in a.scenes.values():
             scene.made(a.programs, a.data)
             for ranks in a.ranks:
-                self.serve(scene, ranks)
+                missing = [n for n in a.in_flight if not self.is_known(scene, ranks, n)]
+                if missing:
+                    self.serve(scene, ranks, missing)
 
-    def serve(self, scene, number):
+    def serve(self, scene, number, numbers_in_flight):
         a = self._arguments
         server = Server(a.programs, a.mpiexec.split(), number,
                         ["--data", a.data, "--memory", str(int(a.memory * 1e9)), "--tenant-frames", "64"])
@@ -213,7 +228,7 @@ class Bench:
         try:
             with gxy.client.Client(port=server.port, token_file=server.token, on_file=self.take(scene)) as client:
                 orbit = Orbit(client, ranks, scene, a.data, a.frames, a.size)
-                for in_flight in a.in_flight:
+                for in_flight in numbers_in_flight:
                     self.add({"ranks": number, **orbit.run(in_flight)})
                 client.request("quit")
         except gxy.client.GalaxyError as e:
@@ -231,7 +246,7 @@ class Bench:
         def compare(_, header, content):
             view = numbers[int(header["name"].rsplit("_", 1)[1].split(".")[0])]
             digest = hashlib.sha256(content).hexdigest()
-            if self._sums.setdefault((scene.name, view), digest) != digest:
+            if self._sums.setdefault(f"{scene.name} {view}", digest) != digest:
                 self._wrong = f"{scene.name}: the picture of view {view} is not that of the runs before"
 
         return compare
@@ -242,13 +257,17 @@ class Bench:
         if self._wrong:
             raise Failure(self._wrong)
         self.rows.append(row)
+        self.show(row)
+        a = self._arguments
+        self._results.write_text(json.dumps({"what": self._what, "rows": self.rows, "pictures": self._sums}, indent=1) + "\n")
+        a.out.with_suffix(".svg").write_text(chart(self.rows, f"{a.frames} frames of {a.size[0]} x {a.size[1]}; "
+                                                              f"all ranks share {self._what['cores']} cores"))
+
+    @staticmethod
+    def show(row):
         lists = [", ".join(f"{n:.0f}" for n in row["messages"]), ", ".join(f"{n / 1e6:.2f}" for n in row["bytes"])]
         print(f"| {row['scene']} | {row['ranks']} | {row['in flight']} | {row['frames/s']:.3g} | {row['CPU s']:.3g} | "
               f"{' | '.join(lists)} | {row['ledger'] / 1e6:.0f} | {row['processes'] / 1e6:.0f} |", flush=True)
-        a = self._arguments
-        a.out.with_suffix(".json").write_text(json.dumps(self.rows, indent=1) + "\n")
-        a.out.with_suffix(".svg").write_text(chart(self.rows, f"{a.size[0]} x {a.size[1]}; all ranks share "
-                                                              f"{len(os.sched_getaffinity(0))} cores"))
 
 
 def main():
