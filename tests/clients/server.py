@@ -23,10 +23,9 @@ STATE = {
 
 class Server:
     """`programs`: the folder of gxyserver and gxydata; `mpiexec`: the command that starts ranks, in words; `options`: more of
-    gxyserver's; `seconds`: that it may take to start, and half of that to stop; `wrapper`: a command that starts the server on each rank."""
+    gxyserver's; `seconds`: that it may take to start; `wrapper`: a command that starts the server on each rank."""
 
     def __init__(self, programs, mpiexec, ranks=2, options=(), seconds=60, wrapper=()):
-        self._seconds = seconds
         self._temporary = tempfile.TemporaryDirectory(prefix="galaxy-clients-")
         self.folder = pathlib.Path(self._temporary.name)
         self.token = self.folder / "token"
@@ -57,13 +56,13 @@ class Server:
     def log(self):
         return (self.folder / "server.log").read_text()
 
-    def stop(self):
-        """Its exit status: 0 after `quit`."""
+    def stop(self, seconds=5):
+        """Its exit status: 0 after `quit`, after which it may take so long to end."""
         try:
-            status = self._process.wait(self._seconds / 12)
+            status = self._process.wait(seconds)
         except subprocess.TimeoutExpired:
             self._process.send_signal(signal.SIGTERM)
-            status = self._process.wait(self._seconds / 2)
+            status = self._process.wait(30)
         self._log.close()
         self._temporary.cleanup()
         return status

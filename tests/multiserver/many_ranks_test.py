@@ -104,7 +104,7 @@ class ManyRanks(unittest.TestCase):
                         self.publish(server, senders, steps)
                 client.request("quit")
         finally:
-            status = server.stop()
+            status = server.stop(SECONDS)
         self.assertEqual(status, 0)
 
     def publish(self, server, senders, steps):
