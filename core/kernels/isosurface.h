@@ -216,8 +216,8 @@ FN IsoHit isosurfaceAlong(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           real planeZ = toReal((mz << MACRO_BITS) + cellOnAxis(place, PLACE_Z) + up.z);
           int walk = 1 - isoCell(v, block, place);
           // The cell that comes next. Rays that have found theirs go on to it, too, so that no step waits for
-          // the result of the step before. Rays stay where no isovalue passes any more; so do rays that never
-          // walked.
+          // the result of the step before. Rays look up no macrocell any more where no isovalue passes, and
+          // none at all that take no part here: theirs may be outside of the grid.
           int next, macroX, macroY, macroZ, nextBlock;
           real nextT, last;
           UNMASKED {
@@ -233,7 +233,7 @@ FN IsoHit isosurfaceAlong(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           macroX = mx;
           macroY = my;
           macroZ = mz;
-          nextBlock = block;
+          blendInto(nextBlock, block);
           last = end;
           while (walk != 0) {
             int holds = 0;
