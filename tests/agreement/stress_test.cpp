@@ -423,7 +423,7 @@ TEST(Stress, MoreSamplesThanAnInt32Counts) {
   }
   int64_t counts[2] = {0, 0};
   RayView view = rays.view();
-  ispc::hitIsosurfaces(&scene, &view, count, 0, counts);
+  ispc::hitIsosurfaces(&scene, &view, count, 0, false, counts);
   const double expected = 0.5 - 8.5 * cell - start;  // half way between the planes of 0 and of 100
   for (int i = 0; i < count; i++) {
     EXPECT_EQ(r.hitKind[i], HIT_ISOSURFACE);
