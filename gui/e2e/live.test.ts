@@ -5,7 +5,7 @@ import { mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
-import { Browser, openFile, savedPicture, whole } from './browser';
+import { Browser, canvasOf, openFile, saved, savedPicture, seriousFindings, whole } from './browser';
 import { openGraphFile, select, setProperty, state } from './canvas';
 import { decodePng, type Pixels } from './png';
 import { Server } from './server';
@@ -232,6 +232,64 @@ it('files of the server are found by keyboard, viewed and added to a graph', asy
   await page.getByRole('button', { name: 'View file radial.vti' }).focus();
   await page.keyboard.press('ArrowUp');
   expect(await page.evaluate('document.activeElement.closest("tr").innerText')).not.toContain('radial.vti');
+  browser.check();
+  await page.context().close();
+});
+
+it('a series of files is gone through by slider, keys and play, in a view and in a graph', async () => {
+  mkdirSync(join(server.folder, 'series'), { recursive: true });
+  // With these seeds values of all steps are from 0 to 1: a range that widens from step to step is what gxyrender finds in one of them.
+  for (const [i, seed] of [2, 4, 9, 11, 13].entries())
+    server.make('gxydata', 'turbulence', '-r', '16', '--seed', String(seed), `series/wave_000${i}.vti`);
+  const page = await opened();
+  await page.getByRole('button', { name: 'Browse files' }).click();
+  await page.getByRole('button', { name: 'Open folder series', exact: true }).click();
+  await page.getByRole('button', { name: 'Files of series wave_*.vti' }).click();
+  await page.getByRole('button', { name: 'View file wave_0004.vti' }).waitFor();
+  await page.getByRole('button', { name: 'View file wave_*.vti' }).click();
+  const line = page.getByRole('group', { name: 'Steps of wave_*.vti' });
+  const shown = (): Promise<string> => line.locator('.series-step').innerText();
+  const slider = line.getByRole('slider', { name: 'Step of wave_*.vti' });
+  await expect.poll(shown).toBe('step 1 of 5');
+  await slider.press('End');
+  await expect.poll(shown).toBe('step 5 of 5');
+  await page.locator('.view:not([hidden]) .picture').press(',');
+  await expect.poll(shown).toBe('step 4 of 5');
+  await page.screenshot({ path: join(inject('pictures'), 'series.png') });
+  expect(await seriousFindings(page)).toEqual([]);
+  // What is saved names the file of the step, and has its picture. The camera was fitted before the line took its place.
+  await page.locator('.view:not([hidden]) .picture').press('x');
+  await expect.poll(() => server.say('info wave')['text']).toContain('wave_0003.vti');
+  await whole(page);
+  const state_ = JSON.parse((await saved(page, 'Save state file')).content.toString()) as Record<
+    string,
+    unknown
+  >;
+  expect(JSON.stringify(state_['Datasets'])).toContain('wave_0003.vti');
+  const { width, height } = await canvasOf(page);
+  const renderer = { ...(state_['Renderer'] as object), 'rays per pixel': 16 };
+  const file = server.file('series.json', JSON.stringify({ ...state_, Renderer: renderer }));
+  server.make('gxyrender', file, '-o', 'series', '--size', `${width}x${height}`);
+  const expected = decodePng(readFileSync(join(server.folder, 'series_00000.png')));
+  expect((await savedPicture(page)).rgba.equals(expected.rgba)).toBe(true);
+  // Played from the first step to the last.
+  await page.locator('.view:not([hidden]) .picture').press('<');
+  await expect.poll(shown).toBe('step 1 of 5');
+  await line.getByRole('combobox').selectOption('30/s');
+  await page.locator('.view:not([hidden]) .picture').press(' ');
+  await expect.poll(shown).toBe('step 5 of 5');
+  await line.getByRole('button', { name: 'Play' }).waitFor();
+  // A graph's data are those of the step, too.
+  await page.getByRole('button', { name: 'New', exact: true }).click();
+  await page.getByRole('button', { name: 'Add file wave_*.vti to the graph' }).click();
+  await state(page, 'Visualizations/view', 'done');
+  await page
+    .getByRole('tab', { name: /\/ view$/ })
+    .last()
+    .click();
+  await expect.poll(() => line.last().locator('.series-step').innerText()).toBe('step 1 of 5');
+  await line.last().getByRole('button', { name: 'Next step' }).click();
+  await expect.poll(() => line.last().locator('.series-step').innerText()).toBe('step 2 of 5');
   browser.check();
   await page.context().close();
 });

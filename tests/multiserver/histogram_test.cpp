@@ -75,8 +75,8 @@ TEST(Files, AreThoseThatCanBeOpenedAndNoOthers) {
   DataServer server;
   const fs::path folder = server.folder().path();
   fs::create_directories(folder / "runs/deep");
-  for (const char* name : {"runs/a.vti", "runs/B.VTU", "runs/scene.json", "runs/c.nii.gz", "runs/notes.txt",
-                           "runs/x.gz", "runs/.hidden.vti", "runs/none"})
+  for (const char* name : {"runs/a.vti", "runs/B.VTU", "runs/scene.json", "runs/c.nii.gz", "runs/d.pvd",
+                           "runs/notes.txt", "runs/x.gz", "runs/.hidden.vti", "runs/none"})
     std::ofstream(folder / name) << "12345";
   fs::create_symlink("/etc/hostname", folder / "runs/outside.vti");
   fs::create_symlink("/etc", folder / "runs/etc");
@@ -88,7 +88,8 @@ TEST(Files, AreThoseThatCanBeOpenedAndNoOthers) {
   EXPECT_EQ(runs.at("folders"), json::array({"deep"}));
   std::vector<std::string> names;
   for (const json& file : runs.at("files")) names.push_back(file.at("name"));
-  EXPECT_EQ(names, (std::vector<std::string>{"B.VTU", "a.vti", "c.nii.gz", "inside.vol", "scene.json"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"B.VTU", "a.vti", "c.nii.gz", "d.pvd", "inside.vol", "scene.json"}));
   EXPECT_EQ(runs.at("files").at(0).at("bytes"), 5);
   EXPECT_EQ(runs.at("more"), false);
   EXPECT_EQ(server.client->expect("files " + (folder / "runs").string()).at("files"), runs.at("files"));

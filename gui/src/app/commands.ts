@@ -3,6 +3,7 @@
 import { graphDocument } from '../canvas/graph_store';
 import { withFreeNames } from '../panels/server_files';
 import { readDocument } from '../view/document';
+import { openSeries, withFiles } from '../steps/series_store';
 import { useForms } from '../out/forms';
 import type { PictureDetail, View } from '../view/view';
 import { useViews } from '../view/views';
@@ -46,14 +47,14 @@ export async function viewData(server: ServerConnection, name: string): Promise<
   }
 }
 
-/** Imports a file of the server and opens a view of it, as its content suggests. */
+/** Imports a file of the server, or the first step of a series, and opens a view of it, as its content suggests. */
 export async function viewFile(server: ServerConnection, path: string): Promise<void> {
   try {
-    const [reply, info] = await Promise.all([
-      server.request(statement('viewer.scene', [path])),
-      server.request('data.info'),
-    ]);
-    add(server, path, withFreeNames(objectOf(reply, 'state'), objectsOf(info, 'datasets')));
+    const reply = await server.request(statement('viewer.scene', [path]));
+    const opened = await openSeries(server, path, reply);
+    const info = await server.request('data.info');
+    const document = opened?.document ?? withFreeNames(objectOf(reply, 'state'), objectsOf(info, 'datasets'));
+    add(server, opened?.series.name ?? path, document);
   } catch (error) {
     fail(error);
   }
@@ -63,7 +64,11 @@ export async function viewFile(server: ServerConnection, path: string): Promise<
 export function saveState(view: View): void {
   const { document, ofGraph } = view;
   if (document)
-    download(`${stem(view.title)}-view.json`, `${JSON.stringify(document, null, 2)}\n`, 'application/json');
+    download(
+      `${stem(view.title)}-view.json`,
+      `${JSON.stringify(withFiles(document), null, 2)}\n`,
+      'application/json',
+    );
   else if (ofGraph) void saveGraph(ofGraph.graph);
 }
 

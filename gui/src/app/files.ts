@@ -18,5 +18,10 @@ export function download(name: string, content: BlobPart, type: string): void {
 
 /** The name of a file without its folder and what stands behind the last dot. */
 export function stem(name: string): string {
-  return (name.split(/[/\\]/).pop() ?? name).replace(/\.[^.]*$/, '').trim() || 'galaxy';
+  return (
+    (name.split(/[/\\]/).pop() ?? name)
+      .replace(/\.[^.]*$/, '')
+      .replace(/[*?"<>|:]/g, '')
+      .trim() || 'galaxy'
+  );
 }

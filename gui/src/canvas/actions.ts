@@ -39,6 +39,7 @@ import { type GraphSession, messageOf, VIEW_ONLY } from '../graph/session';
 import type { View } from '../view/view';
 import { useViews } from '../view/views';
 import type { ServerConnection } from '../app/server_connection';
+import { openSeries } from '../steps/series_store';
 import { statement } from '../wire/statement';
 import type { AddItem } from './add_items';
 import { firstLook } from './add_items';
@@ -374,15 +375,19 @@ export async function showDataset(name: string, at?: Position): Promise<void> {
 
 const below = (edit: Change): Position => placeBelow([...rectsOf(edit).values()]);
 
-/** Adds the datasets of a file of the server as nodes that read it, with looks that suit them, and shows them in a view. */
+/**
+ * Adds the datasets of a file of the server as nodes that read it, with looks that suit them, and shows them in a view. Those of a series are
+ * data of the server, whatever step they are.
+ */
 export async function showFile(path: string): Promise<void> {
   const { connection, say } = store();
   if (!connection) return;
   try {
-    const reply = (await connection.request(statement('viewer.scene', [path]))) as Json;
+    const answer = await connection.request(statement('viewer.scene', [path]));
+    const opened = await openSeries(connection, path, answer);
     const edit = change();
     if (!edit) return;
-    const scene = member(reply, 'state') ?? {};
+    const scene = (opened?.document ?? member(answer as Json, 'state') ?? {}) as Json;
     const looks = objectsIn(member(scene, 'Datasets')).map((entry) => {
       const place = below(edit);
       const id = addAt(edit, 'Datasets', entry, place);

@@ -6,7 +6,15 @@ import { useConnectionState, useServer } from '../app/server';
 import { messageOf } from '../graph/session';
 import { bytesText } from '../graph/states';
 import './file_browser.css';
-import { type Folder, inside, readFolder, wayTo } from './server_files';
+import {
+  type FileGroup,
+  type Folder,
+  grouped,
+  inside,
+  readFolder,
+  type ServerFile,
+  wayTo,
+} from './server_files';
 
 interface FileActions {
   readonly onView: (path: string) => void;
@@ -43,13 +51,27 @@ interface FileRowProps extends FileActions {
   readonly name: string;
   readonly bytes: number;
   readonly path: string;
+  /** Of the row of a series: how many files it has, and shows or hides them. */
+  readonly series?: { readonly count: number; readonly isOpen: boolean; readonly onToggle: () => void };
 }
 
-function FileRow({ name, bytes, path, onView, onAdd }: FileRowProps) {
+function FileRow({ name, bytes, path, series, onView, onAdd }: FileRowProps) {
   return (
     <tr>
       <th scope="row">
+        {series && (
+          <button
+            type="button"
+            className="plain"
+            aria-expanded={series.isOpen}
+            aria-label={`Files of series ${name}`}
+            onClick={series.onToggle}
+          >
+            {series.isOpen ? '▾' : '▸'}
+          </button>
+        )}
         <Foreign text={name} />
+        {series && <span className="weak"> {series.count} steps</span>}
       </th>
       <td>
         <button type="button" aria-label={`View file ${name}`} onClick={() => onView(path)}>
@@ -65,6 +87,29 @@ function FileRow({ name, bytes, path, onView, onAdd }: FileRowProps) {
     </tr>
   );
 }
+
+/** The row of a series and, if they are asked for, those of its files. */
+function GroupRows({
+  group,
+  folder,
+  ...actions
+}: FileActions & { readonly group: FileGroup; readonly folder: string }) {
+  const [isOpen, setOpen] = useState(false);
+  const bytes = group.files.reduce((sum, file) => sum + file.bytes, 0);
+  const series = { count: group.files.length, isOpen, onToggle: () => setOpen(!isOpen) };
+  const name = group.pattern.replace('%d', '*');
+  return (
+    <>
+      <FileRow {...{ name, bytes, series, ...actions }} path={inside(folder, group.pattern)} />
+      {isOpen &&
+        group.files.map((file) => (
+          <FileRow key={file.name} {...file} {...actions} path={inside(folder, file.name)} />
+        ))}
+    </>
+  );
+}
+
+const isGroup = (entry: ServerFile | FileGroup): entry is FileGroup => 'pattern' in entry;
 
 function Way({ path, onOpen }: { readonly path: string; readonly onOpen: (path: string) => void }) {
   return (
@@ -127,9 +172,18 @@ function OpenBrowser(actions: FileActions) {
             {folder?.folders.map((name) => (
               <FolderRow key={name} name={name} onOpen={() => setPath(inside(folder.path, name))} />
             ))}
-            {files.map(({ name, bytes }) => (
-              <FileRow key={name} {...{ name, bytes, ...actions }} path={inside(folder?.path ?? '', name)} />
-            ))}
+            {grouped(files).map((entry) =>
+              isGroup(entry) ? (
+                <GroupRows key={entry.pattern} group={entry} folder={folder?.path ?? ''} {...actions} />
+              ) : (
+                <FileRow
+                  key={entry.name}
+                  {...entry}
+                  {...actions}
+                  path={inside(folder?.path ?? '', entry.name)}
+                />
+              ),
+            )}
           </tbody>
         </table>
         {folder && folder.folders.length + files.length === 0 && (

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { inside, wayTo, withFreeNames } from './server_files';
+import { grouped, inside, wayTo, withFreeNames } from './server_files';
 
 describe('folders', () => {
   it('are walked by paths below the data folders', () => {
@@ -12,6 +12,18 @@ describe('folders', () => {
       ['b c', 'a/b c'],
     ]);
   });
+});
+
+it('files whose names differ in their last number are a series', () => {
+  const files = (...names: string[]) => names.map((name) => ({ name, bytes: 1 }));
+  const shown = grouped(
+    files('a.vti', 'b2_1.vti', 'b2_10.vti', 'b3_1.vti', 'c1.vti', 'd1.h5', '100%1.vti', '100%2.vti'),
+  );
+  expect(shown).toEqual([
+    ...files('a.vti'),
+    { pattern: 'b2_%d.vti', files: files('b2_1.vti', 'b2_10.vti') },
+    ...files('b3_1.vti', 'c1.vti', 'd1.h5', '100%1.vti', '100%2.vti'),
+  ]);
 });
 
 describe('the state document of a file', () => {

@@ -4,10 +4,15 @@ import type { Connection } from '../wire/connection';
 import { isObject, type Json, type JsonObject, numberOf, objectsOf, textOf, textsOf } from '../wire/json';
 import { statement } from '../wire/statement';
 
+export interface ServerFile {
+  readonly name: string;
+  readonly bytes: number;
+}
+
 export interface Folder {
   readonly path: string; // relative to the data folders; empty: these themselves
   readonly folders: readonly string[];
-  readonly files: readonly { readonly name: string; readonly bytes: number }[];
+  readonly files: readonly ServerFile[];
   /** There are more entries than the server lists. */
   readonly isCut: boolean;
 }
@@ -20,6 +25,29 @@ export async function readFolder(connection: Connection, path: string): Promise<
     files: objectsOf(reply, 'files').map((f) => ({ name: textOf(f, 'name'), bytes: numberOf(f, 'bytes') })),
     isCut: reply['more'] === true,
   };
+}
+
+/** Files whose names differ in their last number only: the steps of a series. */
+export interface FileGroup {
+  /** Their names, as the server takes them together: `wave_%d.vti`. */
+  readonly pattern: string;
+  readonly files: readonly ServerFile[];
+}
+
+/** Files and series, in the order of their first files. */
+export function grouped(files: readonly ServerFile[]): readonly (ServerFile | FileGroup)[] {
+  const groups = new Map<string, ServerFile[]>();
+  for (const file of files) {
+    const [, before, after] = /^(.*?)\d+(\D*\.\D*)$/.exec(file.name) ?? [];
+    const isNumbered = before !== undefined && after !== undefined && !/[%*?]/.test(file.name);
+    const key = isNumbered ? `${before}%d${after}` : file.name;
+    const group = groups.get(key) ?? [];
+    groups.set(key, group);
+    group.push(file);
+  }
+  return [...groups].flatMap(([pattern, group]): readonly (ServerFile | FileGroup)[] =>
+    group.length < 2 ? group : [{ pattern, files: group }],
+  );
 }
 
 export function inside(path: string, name: string): string {
@@ -47,6 +75,11 @@ export function withFreeNames(state: JsonObject, known: readonly JsonObject[]): 
     renamed.set(name, `${name} ${number}`);
     taken.add(`${name} ${number}`);
   }
+  return withNames(state, renamed);
+}
+
+/** A state document whose datasets have other names. */
+export function withNames(state: JsonObject, renamed: ReadonlyMap<string, string>): JsonObject {
   const changed = (json: Json | undefined, key: string): Json | undefined => {
     if (Array.isArray(json)) return json.map((item) => changed(item, key) ?? null);
     if (!isObject(json)) return json;

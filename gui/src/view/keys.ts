@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What keys do in a view: those of docs/viewer.md, and arrows, which turn.
 import { useOverlays } from '../overlay/overlay_state';
+import { seriesShown } from '../steps/series_store';
 import type { View } from './view';
 
 export interface Key {
@@ -99,6 +100,29 @@ export const KEYS: Key[] = [
     ],
   },
   {
+    keys: [',', '.'],
+    help: 'previous, next step of a series of files',
+    actions: ([-1, 1] as const).map((by) => (view) => {
+      for (const series of seriesShown(view)) series.goTo(series.state.wanted + by);
+    }),
+  },
+  {
+    keys: ['<', '>'],
+    help: 'its first, its last step',
+    actions: ([false, true] as const).map((isLast) => (view) => {
+      for (const series of seriesShown(view)) series.goTo(isLast ? series.steps.length - 1 : 0);
+    }),
+  },
+  {
+    keys: ['Space'],
+    help: 'play the series, or stop',
+    actions: [
+      (view) => {
+        for (const series of seriesShown(view)) series.play(!series.state.isPlaying);
+      },
+    ],
+  },
+  {
     keys: ['s'],
     help: 'spin, on and off',
     actions: [
@@ -130,7 +154,7 @@ export const KEYS: Key[] = [
 /** Does what a key does in the view. Returns whether it does anything. */
 export function press(view: View, key: string): boolean {
   for (const { keys, actions } of KEYS) {
-    const action = actions[keys.indexOf(key)];
+    const action = actions[keys.indexOf(key === ' ' ? 'Space' : key)];
     if (!action) continue;
     action(view);
     return true;

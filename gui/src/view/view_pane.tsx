@@ -4,6 +4,7 @@ import { type KeyboardEvent, useEffect, useRef, useSyncExternalStore } from 'rea
 import { Foreign } from '../app/foreign';
 import { Overlay } from '../overlay/overlay';
 import { OverlayToggles } from '../overlay/toggles';
+import { SeriesLines } from '../steps/series_line';
 import { StepLine } from '../steps/step_line';
 import type { Size } from './camera';
 import { press } from './keys';
@@ -54,6 +55,7 @@ export function ViewPane({ view, shown, onKey }: ViewPaneProps) {
         />
         {shown && <Overlay view={view} />}
       </div>
+      <SeriesLines view={view} />
       <ViewLine view={view} />
     </div>
   );

@@ -5,6 +5,7 @@
 
 #include "core/io/file.h"
 #include "core/io/volume_file.h"
+#include "core/scene/collection_file.h"
 #include "multiserver/protocol/json.h"
 
 namespace gxy {
@@ -15,11 +16,11 @@ namespace {
 
 constexpr size_t kMost = 10000;  // entries of a folder
 
-// Whether readers of data, or that of state files, take files of this name.
+// Whether readers of data, of collections or of state files take files of this name.
 bool canBeOpened(const std::string& name) {
   const std::string extension = extensionOf(name);
   if (extension.empty()) return false;
-  if (name.size() > 7 && name.ends_with(".nii.gz")) return true;
+  if (isCollection(name) || (name.size() > 7 && name.ends_with(".nii.gz"))) return true;
   const std::string known = " " + readableFormats() + ",";
   for (const char* end : {" ", ","})
     if (known.find(" " + extension + end) != known.npos) return true;
