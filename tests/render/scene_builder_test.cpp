@@ -14,13 +14,15 @@
 namespace gxy::test {
 namespace {
 
-/// One rank by itself, or beside another one that says zeros or ones of as many bytes as this rank says.
+/// One rank by itself, or beside another one that says zeros or ones of as many bytes as this rank says. It has no primitives: where this
+/// rank says a count, it says 0.
 struct RankBesideAnother final : Collectives {
   int rank() const override { return 0; }
   int size() const override { return 1; }
   std::vector<Bytes> allGather(Bytes mine) override {
     std::vector<Bytes> all{mine};
-    if (other) all.push_back(Bytes(mine.size(), std::byte(*other)));
+    const bool isCount = mine.size() == sizeof(uint64_t);
+    if (other) all.push_back(Bytes(mine.size(), std::byte(isCount ? 0 : *other)));
     return all;
   }
   std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override { return perRank; }
