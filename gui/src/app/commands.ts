@@ -7,7 +7,7 @@ import { openSeries, withFiles } from '../steps/series_store';
 import { useForms } from '../out/forms';
 import type { PictureDetail, View } from '../view/view';
 import { useViews } from '../view/views';
-import { objectOf, objectsOf } from '../wire/json';
+import { type JsonObject, objectOf, objectsOf } from '../wire/json';
 import { statement } from '../wire/statement';
 import { download, stem } from './files';
 import { useNotices } from './notices';
@@ -75,7 +75,7 @@ export function saveState(view: View): void {
 /** Saves a graph as a state file. The document of its views, and their cameras, are the graph's. */
 export async function saveGraph(name: string): Promise<void> {
   try {
-    const document = await graphDocument(name);
+    const document = withFiles((await graphDocument(name)) as JsonObject);
     download(`${stem(name)}.json`, `${JSON.stringify(document, null, 2)}\n`, 'application/json');
   } catch (error) {
     fail(error);

@@ -83,9 +83,9 @@ export function Search({ onHelp, onClose }: { readonly onHelp: () => void; reado
     viewData: (name) => void viewData(server, name),
     addData: session && (session.snapshot.isViewOnly ? undefined : (name) => void showDataset(name)),
   });
-  function close(): void {
+  function close(isLeft: boolean): void {
     onClose();
-    if (before instanceof HTMLElement) before.focus({ preventScroll: true });
+    if (!isLeft && before instanceof HTMLElement) before.focus({ preventScroll: true });
   }
   return (
     <div className="search">
@@ -95,7 +95,7 @@ export function Search({ onHelp, onClose }: { readonly onHelp: () => void; reado
         items={(typed) => foundItems(items, typed)}
         onClose={close}
         onChoose={(item) => {
-          close();
+          close(false);
           item.run();
         }}
       />

@@ -383,6 +383,7 @@ export async function showFile(path: string): Promise<void> {
   const { connection, say } = store();
   if (!connection) return;
   try {
+    if (!change()) return;
     const answer = await connection.request(statement('viewer.scene', [path]));
     const opened = await openSeries(connection, path, answer);
     const edit = change();

@@ -10,7 +10,8 @@ interface MenuProps<Item extends MenuItem> {
   readonly at: { readonly x: number; readonly y: number }; // pixels of the place that it lies in
   readonly items: (typed: string) => readonly Item[];
   readonly onChoose: (item: Item) => void;
-  readonly onClose: () => void;
+  /** `isLeft`: the focus goes to something else. */
+  readonly onClose: (isLeft: boolean) => void;
 }
 
 export function Menu<Item extends MenuItem>({ name, at, items, onChoose, onClose }: MenuProps<Item>) {
@@ -34,7 +35,7 @@ export function Menu<Item extends MenuItem>({ name, at, items, onChoose, onClose
     const by = event.key === 'ArrowDown' ? 1 : event.key === 'ArrowUp' ? -1 : 0;
     if (by !== 0 && shown.length > 0) setChosen((current + by + shown.length) % shown.length);
     else if (event.key === 'Enter' && item) onChoose(item);
-    else if (event.key === 'Escape' || event.key === 'Tab') onClose();
+    else if (event.key === 'Escape' || event.key === 'Tab') onClose(false);
     else return;
     event.preventDefault();
   }
@@ -44,7 +45,7 @@ export function Menu<Item extends MenuItem>({ name, at, items, onChoose, onClose
       ref={box}
       className="menu nopan nowheel"
       onBlur={(event) => {
-        if (!event.currentTarget.contains(event.relatedTarget)) onClose();
+        if (!event.currentTarget.contains(event.relatedTarget)) onClose(true);
       }}
     >
       <input

@@ -14,6 +14,7 @@ interface Waiting {
 /** A series whose imports wait until the test answers them. */
 function made(seen: () => Promise<void> = () => Promise.resolve()) {
   const waiting: Waiting[] = [];
+  const shown = { is: true };
   const bring = (datasets: readonly JsonObject[]) =>
     new Promise<Record<string, number>>((resolve, reject) => {
       waiting.push({
@@ -25,13 +26,13 @@ function made(seen: () => Promise<void> = () => Promise.resolve()) {
       });
     });
   const series = new FileSeries('wave_*.vti', [DATASET], ['wave'], STEPS, {
-    ...{ bring, seen, changed: () => undefined },
+    ...{ bring, seen, isShown: () => shown.is, changed: () => undefined },
   });
   const answer = async (problem?: string): Promise<void> => {
     waiting.shift()?.answer(problem);
     await vi.advanceTimersByTimeAsync(0);
   };
-  return { series, waiting, answer };
+  return { series, waiting, answer, shown };
 }
 
 beforeEach(() => {
@@ -99,6 +100,43 @@ it('plays no faster than it is told, and to the last step; then it begins anew',
   await answer();
   await vi.advanceTimersByTimeAsync(1000);
   expect(series.state).toMatchObject({ step: 0, isPlaying: false });
+});
+
+it('goes on from where it was sent while it plays, and stops when nobody looks or it is closed', async () => {
+  const { series, waiting, answer, shown } = made();
+  series.setSpeed(10);
+  series.play(true);
+  await answer(); // Step 1 is shown, and the timer of the next one runs.
+  series.goTo(2);
+  await vi.advanceTimersByTimeAsync(500);
+  expect(series.state.wanted).toBe(2);
+  await answer();
+  shown.is = false;
+  await vi.advanceTimersByTimeAsync(100);
+  await answer();
+  expect(series.state).toMatchObject({ step: 3, isPlaying: false });
+  series.goTo(3); // It is there.
+  expect(waiting).toEqual([]);
+  series.goTo(1);
+  series.goTo(2);
+  const closed = series.close();
+  await answer();
+  await closed;
+  series.goTo(0);
+  expect(waiting).toEqual([]);
+});
+
+it('takes notice of a step that somebody else has brought', async () => {
+  const { series, answer } = made();
+  series.begin({ 'wave 2': 1 });
+  series.adopt('wave 2', 2, 'wave_3.vti');
+  expect(series.state).toMatchObject({ step: 3, wanted: 3, time: 0.3 });
+  series.adopt('wave 2', 2, 'wave_0.vti'); // The same generation.
+  series.adopt('wave 2', 3, 'other.vti');
+  expect(series.state.step).toBe(3);
+  series.goTo(1);
+  await answer();
+  expect(series.state.step).toBe(1);
 });
 
 it('asks for the next step once the last one is seen', async () => {

@@ -27,6 +27,8 @@ export interface SeriesPorts {
   readonly bring: (datasets: readonly JsonObject[]) => Promise<Readonly<Record<string, number>>>;
   /** Resolves once these generations are seen, or are not going to be seen. */
   readonly seen: (generations: Readonly<Record<string, number>>) => Promise<void>;
+  /** Whether somebody looks at the series. Else it does not play on. */
+  readonly isShown: () => boolean;
   readonly changed: () => void;
 }
 
@@ -46,13 +48,14 @@ export function stepsIn(reply: JsonObject): readonly FileStep[] {
 
 export class FileSeries {
   private now: SeriesState;
-  private isBusy = false;
+  private busy: Promise<void> | undefined;
+  private isClosed = false;
+  private generations: Readonly<Record<string, number>> = {}; // that it has brought last
   private timer: ReturnType<typeof setTimeout> | undefined;
   private begun = 0; // milliseconds: when the step that is shown was asked for
 
   /**
-   * `datasets` are entries of a state document, all of the first step, `proposed` the names that the steps' files have for them. `generations`
-   * are those of the first step, which has been imported.
+   * `datasets` are entries of a state document, all of the first step, `proposed` the names that the steps' files have for them.
    */
   constructor(
     readonly name: string,
@@ -85,8 +88,29 @@ export class FileSeries {
 
   /** Shows a step, or the first or last one. Of those that are asked for while one is brought, the newest counts. */
   goTo(step: number): void {
-    this.set({ wanted: Math.max(0, Math.min(this.steps.length - 1, step)) });
-    if (!this.isBusy) void this.bringWanted();
+    if (this.isClosed) return;
+    clearTimeout(this.timer); // What plays goes on from here.
+    const wanted = Math.max(0, Math.min(this.steps.length - 1, step));
+    if (!this.busy && wanted === this.now.step) {
+      this.goOn();
+      return;
+    }
+    this.set({ wanted });
+    this.busy ??= this.bringWanted();
+  }
+
+  /** Takes notice of a generation of its data that somebody else has made of a file. */
+  adopt(name: string, generation: number, file: string): void {
+    if (this.busy || this.isClosed || generation <= (this.generations[name] ?? 0)) return;
+    const at = this.names.indexOf(name);
+    const step = this.steps.findIndex(({ files }) => files[this.proposed[at] ?? ''] === file);
+    this.generations = { ...this.generations, [name]: generation };
+    if (step >= 0) this.set({ step, wanted: step, time: this.steps[step]?.time, problem: '' });
+  }
+
+  /** The first step has been imported. */
+  begin(generations: Readonly<Record<string, number>>): void {
+    this.generations = generations;
   }
 
   /** Goes on to the next step by itself, from the first one if the last is shown; or stops. */
@@ -101,19 +125,21 @@ export class FileSeries {
     this.set({ speed });
   }
 
-  /** Ends what it does by itself. */
-  close(): void {
+  /** Ends what it does. Resolves once nothing of it is under way. */
+  async close(): Promise<void> {
+    this.isClosed = true;
     clearTimeout(this.timer);
     this.now = { ...this.now, isPlaying: false };
+    await this.busy;
   }
 
   private async bringWanted(): Promise<void> {
-    this.isBusy = true;
     do {
       const step = this.now.wanted;
       this.begun = performance.now();
       try {
         const generations = await this.ports.bring(this.datasetsAt(step));
+        this.generations = generations;
         this.set({ step, time: this.steps[step]?.time, problem: '' });
         await this.ports.seen(generations);
       } catch (error) {
@@ -121,14 +147,14 @@ export class FileSeries {
         const isLast = this.now.wanted === step;
         this.set({ problem, isPlaying: false, ...(isLast ? { wanted: this.now.step } : {}) });
       }
-    } while (this.now.wanted !== this.now.step);
-    this.isBusy = false;
+    } while (this.now.wanted !== this.now.step && !this.isClosed);
+    this.busy = undefined;
     this.goOn();
   }
 
   private goOn(): void {
-    if (!this.now.isPlaying) return;
-    if (this.now.step + 1 >= this.steps.length) {
+    if (!this.now.isPlaying || this.isClosed) return;
+    if (this.now.step + 1 >= this.steps.length || !this.ports.isShown()) {
       this.set({ isPlaying: false });
       return;
     }

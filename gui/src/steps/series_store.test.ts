@@ -20,7 +20,7 @@ function serverWith(...datasets: JsonObject[]) {
     imported.push(text.slice('data.import '.length));
     return Promise.resolve({ generations: { wave: imported.length } });
   });
-  return { connection: { request } as unknown as Connection, imported };
+  return { connection: { request, on: () => () => undefined } as unknown as Connection, imported };
 }
 
 it('a series has the name of its files without the number, and its data are those of one step', async () => {
@@ -52,6 +52,17 @@ it('data of the server with the same name stay, and a file alone is no series', 
   expect(opened?.series.names).toEqual(['wave 2']);
   expect(imported).toHaveLength(1);
   expect(await openSeries(connection, 'wave.vti', { state: REPLY.state })).toBeUndefined();
+});
+
+it('the parts of a step keep their names where they would be equal without their numbers', async () => {
+  const { connection } = serverWith();
+  const parts = ['run_0_0', 'run_0_1'];
+  const state = { Datasets: parts.map((name) => ({ name, type: 'Volume', filename: `${name}.vti` })) };
+  const steps = [0, 1].map((i) => ({
+    files: Object.fromEntries(parts.map((name) => [name, `${name} ${i}`])),
+  }));
+  const opened = await openSeries(connection, 'run.pvd', { state, steps });
+  expect(opened?.series.names).toEqual(parts);
 });
 
 it('takes the last number out of a name', () => {

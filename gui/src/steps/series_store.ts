@@ -84,29 +84,58 @@ export async function openSeries(
   const proposed = objectOf(reply, 'state');
   const names = objectsOf(proposed, 'Datasets').map((d) => textOf(d, 'name'));
   const info = await connection.request('data.info');
-  const ofAllSteps = withNames(proposed, new Map(names.map((name) => [name, withoutNumber(name)])));
+  const short = names.map(withoutNumber);
+  const isDistinct = new Set(short).size === names.length;
+  const ofAllSteps = isDistinct
+    ? withNames(proposed, new Map(names.map((name, i) => [name, short[i] ?? name])))
+    : proposed;
   const state = withFreeNames(ofAllSteps, objectsOf(info, 'datasets'));
   const datasets = objectsOf(state, 'Datasets');
-  const series = new FileSeries(seriesText(path), datasets, names, steps, {
+  const series: FileSeries = new FileSeries(seriesText(path), datasets, names, steps, {
     bring: (entries) => bring(connection, entries),
     seen: seenInFront,
+    isShown: () => useViews.getState().views.some((view) => seriesShown(view).includes(series)),
     changed,
   });
-  await bring(connection, series.datasetsAt(0));
+  // Data of these names are of this series now.
   const own = new Set(series.names);
-  useSeries.setState(({ all }) => {
-    // Data of these names are of this series now.
-    const others = all.filter((other) => !other.names.some((name) => own.has(name)));
-    for (const other of all) if (!others.includes(other)) other.close();
-    return { all: [...others, series] };
-  });
+  const isOwn = (other: FileSeries): boolean => other.names.some((name) => own.has(name));
+  await Promise.all(
+    useSeries
+      .getState()
+      .all.filter(isOwn)
+      .map((other) => other.close()),
+  );
+  series.begin(await bring(connection, series.datasetsAt(0)));
+  useSeries.setState(({ all }) => ({ all: [...all.filter((other) => !isOwn(other)), series] }));
   changed();
+  followOthers(connection);
   const live = datasets.map((entry) => {
     const named = { ...entry };
     delete named['filename'];
     return named;
   });
   return { series, document: { ...state, Datasets: live } };
+}
+
+const followed = new WeakSet<Connection>();
+
+/** When others go to another step of the same data, the lines of this page say so. */
+function followOthers(connection: Connection): void {
+  if (followed.has(connection)) return;
+  followed.add(connection);
+  connection.on('updated', (event) => {
+    const name = textOf(event, 'name');
+    const series = useSeries.getState().all.find((each) => each.names.includes(name));
+    if (!series) return;
+    connection.request(statement('data.info', [name])).then(
+      (reply) => {
+        const [dataset] = objectsOf(reply, 'datasets');
+        if (dataset) series.adopt(name, numberOf(dataset, 'generation'), textOf(dataset, 'file'));
+      },
+      () => undefined, // It is gone again.
+    );
+  });
 }
 
 /** The name of a series for people: `a/wave_%d.vti` is `wave_*.vti`. */
