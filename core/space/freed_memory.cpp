@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/space/freed_memory.h"
 
+#include <cstdlib>
+
+#ifdef __GLIBC__
 #include <malloc.h>
+#endif
 
 namespace gxy {
 

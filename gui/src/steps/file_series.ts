@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A series of files: its datasets are those of one step at a time, which all who show them see.
+// A series of files, each a step in time: which step its datasets have on the server, and how they get another one.
 import { type JsonObject, isObject, objectsOf, textOf } from '../wire/json';
 
 export interface FileStep {
@@ -50,7 +50,7 @@ export class FileSeries {
   private now: SeriesState;
   private busy: Promise<void> | undefined;
   private isClosed = false;
-  private generations: Readonly<Record<string, number>> = {}; // that it has brought last
+  private generations: Readonly<Record<string, number>> = {}; // the newest of its datasets that it knows of
   private timer: ReturnType<typeof setTimeout> | undefined;
   private begun = 0; // milliseconds: when the step that is shown was asked for
 
@@ -86,7 +86,7 @@ export class FileSeries {
     });
   }
 
-  /** Shows a step, or the first or last one. Of those that are asked for while one is brought, the newest counts. */
+  /** Shows a step; of a number outside, the first or last one. Of those that are asked for while one is brought, the newest counts. */
   goTo(step: number): void {
     if (this.isClosed) return;
     clearTimeout(this.timer); // What plays goes on from here.
@@ -108,7 +108,7 @@ export class FileSeries {
     if (step >= 0) this.set({ step, wanted: step, time: this.steps[step]?.time, problem: '' });
   }
 
-  /** The first step has been imported. */
+  /** Takes notice that the first step has been imported, as these generations. */
   begin(generations: Readonly<Record<string, number>>): void {
     this.generations = generations;
   }
