@@ -215,33 +215,65 @@ class SurfaceCells {
   // Appends the cells that a surface passes, given the level at each point. It passes a cell if the level is above 0 at some of its
   // corners and not at others. A slice in a face of a cell is thus in the cell above it; where there is none, the cell below it has the
   // slice, with levels turned over.
-  void add(std::span<const float> level, uint32_t surface, std::optional<float> isovalue) {
-    for (size_t cell = 0; cell < kernel_.size(); cell++) {
-      const std::span<const uint32_t> at = kernel_.pointsOf(cell);
-      const auto above = std::count_if(at.begin(), at.end(), [&](uint32_t p) { return level[p] > 0; });
-      if (above == std::ptrdiff_t(at.size()) || !shown_.hold(cell, at)) continue;
-      bool ends = false;
-      if (above == 0) {
-        if (isovalue) continue;
-        uint32_t on = 0;
-        for (size_t k = 0; k < at.size(); k++) on |= uint32_t(level[at[k]] == 0) << k;
-        ends = on != 0 && kernel_.isOuterSide(cell, on);
-        if (!ends) continue;
-      }
-      for (const uint32_t p : at) {
+  void add(std::span<const float> level, uint32_t surface, std::optional<float> isovalue,
+           const Advance& advance) {
+    const std::vector<Passed> passed = passedBy(level, !isovalue, advance);
+    const size_t first = cells_.indices.size(), corners = kernel_.corners, all = first + passed.size();
+    cells_.points.resize(4 * corners * all);
+    cells_.values.resize(corners * all);
+    if (!kernel_.orders.empty()) cells_.orders.resize(all);
+    cells_.indices.resize(all, surface);
+    parallelFor(size_t(0), passed.size(), [&](size_t i) {
+      const auto [cell, ends] = passed[i];
+      size_t corner = (first + i) * corners;
+      for (const uint32_t p : kernel_.pointsOf(cell)) {
         const glm::vec3 place = placeIn(space_, block_.points[p]);
-        cells_.points.insert(cells_.points.end(), {place.x, place.y, place.z, ends ? -level[p] : level[p]});
-        cells_.values.push_back(isovalue.value_or(shown_.constant ? shown_.cells[cell] : shown_.points[p]));
-        if (gradients_) cells_.corners.push_back(isovalue ? numberOf(p) : 0);
+        std::copy_n(&place.x, 3, &cells_.points[4 * corner]);
+        cells_.points[4 * corner + 3] = ends ? -level[p] : level[p];
+        cells_.values[corner++] = isovalue.value_or(shown_.constant ? shown_.cells[cell] : shown_.points[p]);
       }
-      if (!kernel_.orders.empty()) cells_.orders.push_back(kernel_.orders[cell]);
-      cells_.indices.push_back(surface);
-    }
+      if (!kernel_.orders.empty()) cells_.orders[first + i] = kernel_.orders[cell];
+    });
+    if (!gradients_) return;
+    cells_.corners.resize(corners * all, 0);
+    if (!isovalue) return;
+    auto number = cells_.corners.begin() + std::ptrdiff_t(corners * first);
+    for (const Passed& p : passed)
+      for (const uint32_t point : kernel_.pointsOf(p.cell)) *number++ = numberOf(point);
   }
   GeometryInPartition take() { return std::move(cells_); }
 
  private:
   static constexpr uint32_t kNone = UINT32_MAX;
+
+  struct Passed {
+    uint32_t cell;
+    bool ends;  // whether the surface is in an outer face, and the cell below it
+  };
+
+  // The cells that a surface passes, in their order.
+  std::vector<Passed> passedBy(std::span<const float> level, bool isSlice, const Advance& advance) const {
+    constexpr size_t kTogether = 8192;
+    std::vector<std::vector<Passed>> found((kernel_.size() + kTogether - 1) / kTogether);
+    parallelFor(size_t(0), found.size(), [&](size_t i) {
+      tell(advance, i * kTogether, kernel_.size());
+      for (size_t cell = i * kTogether; cell < std::min((i + 1) * kTogether, kernel_.size()); cell++) {
+        const std::span<const uint32_t> at = kernel_.pointsOf(cell);
+        const auto above = std::count_if(at.begin(), at.end(), [&](uint32_t p) { return level[p] > 0; });
+        if (above == std::ptrdiff_t(at.size()) || (above == 0 && !isSlice) || !shown_.hold(cell, at))
+          continue;
+        if (above == 0) {
+          uint32_t on = 0;
+          for (size_t k = 0; k < at.size(); k++) on |= uint32_t(level[at[k]] == 0) << k;
+          if (on == 0 || !kernel_.isOuterSide(cell, on)) continue;
+        }
+        found[i].push_back({uint32_t(cell), above == 0});
+      }
+    });
+    std::vector<Passed> passed;
+    for (const auto& some : found) passed.insert(passed.end(), some.begin(), some.end());
+    return passed;
+  }
 
   // The number of a point's gradient among those that are kept.
   uint32_t numberOf(uint32_t point) {
@@ -273,19 +305,20 @@ std::shared_ptr<const GeometryInPartition> surfacesOf(const CompiledOperator& op
   std::vector<float> level(shown.points.size());
   const size_t count = op.slices.size() + op.isovalues.size();
   for (size_t surface = 0; surface < count; surface++) {
-    tell(advance, surface, count);
+    const Advance part = partOf(advance, surface, count);
     std::optional<float> isovalue;
     if (surface < op.slices.size()) {
       const CompiledPlane& plane = op.slices[surface];
       const glm::dvec3 normal(plane.x, plane.y, plane.z);
-      for (size_t p = 0; p < level.size(); p++)
+      parallelFor(size_t(0), level.size(), [&](size_t p) {
         level[p] =
             float(glm::dot(normal, glm::dvec3(placeIn(space, block.points[p]))) - double(plane.offset));
+      });
     } else {
       isovalue = op.isovalues[surface - op.slices.size()];
       for (size_t p = 0; p < level.size(); p++) level[p] = shown.points[p] - *isovalue;
     }
-    passed.add(level, uint32_t(surface), isovalue);
+    passed.add(level, uint32_t(surface), isovalue, part);
   }
   GeometryInPartition cells = passed.take();
   if (cells.indices.empty()) return nullptr;
