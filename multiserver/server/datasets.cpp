@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names and events; datasets_publish.cpp and datasets_import.cpp have the rest.
+// Names and events; datasets_publish.cpp, datasets_import.cpp and datasets_copy.cpp have the rest.
 #include "multiserver/server/datasets.h"
 
 #include <algorithm>
@@ -98,6 +98,9 @@ void Datasets::addWorks() {
   serverRank_.work.add(
       "datasets.import", [this](const Work::Call& call) { return importHere(call.parameters); },
       Work::Runs::Waiting);
+  serverRank_.work.add(
+      "datasets.copy", [this](const Work::Call& call) { return copyHere(call.parameters); },
+      Work::Runs::Waiting);
   serverRank_.work.add("datasets.info", [this](const Work::Call& call) { return infoHere(call.parameters); });
   serverRank_.work.add("datasets.drop", [this](const Work::Call& call) -> json {
     const Key key{call.parameters.at("key").get<uint64_t>()};
@@ -171,17 +174,19 @@ Generation Datasets::generationOf(Key key) const {
   }
 }
 
+json Datasets::originOf(const Dataset& dataset) {
+  if (dataset.stream.empty()) return nullptr;
+  json origin{{"stream", dataset.stream}, {"step", dataset.origins.front().step}};
+  if (!std::isnan(dataset.time)) origin["time"] = dataset.time;
+  return origin;
+}
+
 json Datasets::originOf(Key key) const {
-  std::shared_ptr<const Dataset> dataset;
   try {
-    dataset = serverRank_.objects.pin(key).get<Dataset>();
+    return originOf(*serverRank_.objects.pin(key).get<Dataset>());
   } catch (const Error&) {
     return nullptr;  // dropped meanwhile
   }
-  if (dataset->stream.empty()) return nullptr;
-  json origin{{"stream", dataset->stream}, {"step", dataset->origins.front().step}};
-  if (!std::isnan(dataset->time)) origin["time"] = dataset->time;
-  return origin;
 }
 
 NamedDataset Datasets::named(const std::string& name, Scope scope, const DirectoryEntry& e) const {

@@ -153,6 +153,11 @@ class Datasets {
   /// The same of what the name means. Throws as get() does.
   std::pair<NamedDataset, nlohmann::json> info(const std::string& tenant, const std::string& name);
 
+  /// Gives what a dataset is now another name, too, which keeps it when the dataset gets newer data. Nothing is copied but what describes
+  /// the data; the tenant's memory is counted as if it were. Like import(), it waits, and publishes under the new name. Returns the
+  /// generation there, and of a stream's data which step they are (DatasetEvent::origin).
+  nlohmann::json copy(Request& request, const std::string& name, const std::string& newName, Scope scope);
+
   /// These wait for all ranks. A drop also ends imports and filters of the tenant that are under way and are to publish the
   /// name; where there are such, there need be no dataset.
   void drop(const std::string& tenant, const std::string& name);
@@ -187,6 +192,7 @@ class Datasets {
 
  private:
   nlohmann::json importHere(const nlohmann::json& parameters);
+  nlohmann::json copyHere(const nlohmann::json& parameters);
   /// Rank 0: chooses the partitioning of an import. `data` is the box of its data; `grid`, if not null, that of its first volume.
   std::shared_ptr<const Partitioning> partitioningFor(const nlohmann::json& parameters, const Box& data,
                                                       const Grid* grid) const;
@@ -221,7 +227,8 @@ class Datasets {
   void tell(const DatasetEvent& event);
   void onObject(const ObjectEvent& event);
   Generation generationOf(Key key) const;
-  /// What DatasetEvent::origin says of the current generation of an object.
+  /// What DatasetEvent::origin says of data, and of the current generation of an object.
+  static nlohmann::json originOf(const Dataset& dataset);
   nlohmann::json originOf(Key key) const;
   NamedDataset named(const std::string& name, Scope scope, const DirectoryEntry& entry) const;
   void dropObject(Key key);

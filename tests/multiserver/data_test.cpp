@@ -172,6 +172,62 @@ TEST(Data, AnImportUnderANameInUseIsANewGeneration) {
   EXPECT_NEAR(info.at("range").at(1).get<double>(), 2 * before, 1e-5);
 }
 
+TEST(Data, ACopyKeepsWhatADatasetWas) {
+  const auto server = serve();
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  const auto client = dataClient(*server);
+  client->expect(importBall("ball"));
+  const json before = client->expect("info ball").at("datasets").at(0);
+  EXPECT_EQ(client->expect("copy ball kept").at("generation"), 1);
+  client->expect(importBall("ball", "twice.vol"));
+  const json kept = client->expect("info kept").at("datasets").at(0);
+  for (const char* same : {"type", "range", "box", "points", "bytes", "partitions", "file"})
+    EXPECT_EQ(kept.at(same), before.at(same)) << same;
+  EXPECT_NE(client->expect("range ball").at("range"), kept.at("range"));
+  EXPECT_NE(kept.at("origins"), before.at("origins"));
+  EXPECT_EQ(client->expect("copy ball kept").at("generation"), 2);
+  EXPECT_EQ(client->expect("range ball").at("range"), client->expect("range kept").at("range"));
+  client->expect("drop ball");
+  EXPECT_EQ(client->expect("fetch kept").at("points"), (json{16, 16, 16}));
+  client->expect("drop kept");
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->serverRank(rank).ledger.total("user"), 0) << rank;
+}
+
+TEST(Data, ACopyOfAnothersDataBelongsToWhoMadeIt) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann"), bob = dataClient(*server, "bob");
+  ann->expect(importBall("ball"));
+  EXPECT_NE(bob->request("copy ball mine").error.find("there is none that you see"), std::string::npos);
+  ann->expect("publish ball");
+  bob->expect("copy ball mine");
+  ann->expect("drop ball");
+  EXPECT_EQ(names(*bob), Names{"mine"});
+  EXPECT_EQ(names(*ann), Names{});
+  for (int rank = 0; rank < 2; rank++) {
+    EXPECT_EQ(server->serverRank(rank).ledger.total("ann"), 0) << rank;
+    EXPECT_GT(server->serverRank(rank).ledger.total("bob"), 0) << rank;
+  }
+}
+
+TEST(Data, ACopyThatCannotBeMadeChangesNothing) {
+  ServerSetup setup;
+  setup.ranks = 2;
+  setup.modules = GALAXY_MODULES;
+  setup.serverRank.tenantMemory = 40'000;
+  const TestServer server(std::move(setup));
+  const auto client = dataClient(server);
+  client->expect(importBall("ball"));
+  EXPECT_NE(client->request("copy ball ball").error.find("expected another name"), std::string::npos);
+  EXPECT_NE(client->request("copy nothing kept").error.find("there is none that you see"), std::string::npos);
+  int copies = 0;
+  while (copies < 10 && client->request("copy ball kept" + std::to_string(copies)).ok) copies++;
+  EXPECT_GT(copies, 0);
+  EXPECT_LT(copies, 10);
+  EXPECT_EQ(names(*client).size(), size_t(copies) + 1);
+  client->expect("drop kept0");
+  client->expect("copy ball kept0");
+}
+
 TEST(Data, ObserversAreToldInOrder) {
   const auto server = serve();
   std::mutex mutex;

@@ -32,7 +32,10 @@ class Sessions(OnRanks):
         self.assertEqual(pathlib.Path(balls.export("again.vti")).name, "again.vti")
         again = self.session.open("again.vti", like=balls)
         np.testing.assert_array_equal(again.values(), balls.values())
+        kept = balls.copy("kept")
         balls.drop()
+        np.testing.assert_array_equal(kept.values(), again.values())
+        kept.drop()
         with self.assertRaisesRegex(gxy.GalaxyError, 'mine.*there are: again'):
             self.session["mine"]
         with self.assertRaises(gxy.GalaxyError):

@@ -109,6 +109,14 @@ json range(Request& request, protocol::Arguments arguments) {
           {"text", found.is_null() ? "no values" : found[0].dump() + " " + found[1].dump()}};
 }
 
+json copy(Request& request, protocol::Arguments arguments) {
+  const Scope scope = arguments.taken("shared") ? Scope::Shared : Scope::Private;
+  const std::string name = arguments.expectWord(), newName = arguments.expectWord();
+  arguments.expectEnd();
+  checkDatasetName(newName);
+  return datasetsOf(request).copy(request, name, newName, scope);
+}
+
 json drop(Request& request, protocol::Arguments arguments) {
   const std::string name = arguments.expectWord();
   arguments.expectEnd();
@@ -247,6 +255,8 @@ GALAXY_MODULE(registration) {
          return histogram(*histograms, request, {request.arguments(), "histogram NAME [BINS [COMPONENT]]"});
        },
        Effect::Looks});
+  registration.verb(verb("copy", "[shared] NAME NEW", "Keeps what a dataset is now under another name.",
+                         Order::Aside, copy));
   registration.verb(verb("drop", "NAME", "Forgets a dataset.", Order::InTurn, drop));
   registration.verb(verb("rename", "NAME NEW", "Gives a dataset another name.", Order::InTurn, rename));
   registration.verb(verb("range", "NAME", "Least and largest value.", Order::InTurn, range, Effect::Looks));

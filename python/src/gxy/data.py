@@ -112,6 +112,11 @@ class Data:
         .vtp, .csv, .ply or .stl."""
         return self.session.ask("data.export", self.name, file, timeout=timeout, limited=False)["file"]
 
+    def copy(self, name: str, timeout: Optional[float] = None) -> Data:
+        """Keeps what it is now under another name, which stays the same when newer data come. The server shares the data."""
+        self.session.ask("data.copy", self.name, name, timeout=timeout, limited=False)
+        return Data(self.session, name)
+
     def drop(self) -> None:
         """The server forgets it."""
         self.session.ask("data.drop", self.name)
@@ -121,6 +126,7 @@ class Data:
     histogram_async = twin(histogram)
     wait_async = twin(wait)
     export_async = twin(export)
+    copy_async = twin(copy)
 
     def __repr__(self) -> str:
         return f'<Data "{self.name}">'
