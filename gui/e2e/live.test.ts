@@ -110,6 +110,36 @@ it('steps of a simulation come by themselves; a held view stays with its step un
   await page.context().close();
 });
 
+it('a step is kept as a dataset of its own, and dropped', async () => {
+  const simulation = simulate('sim');
+  const page = await opened();
+  await page.getByRole('tab', { name: 'Live data' }).click();
+  await page.getByRole('button', { name: 'Keep a copy of sim.oneBall', exact: true }).click();
+  const said = await page.getByText(/"sim.oneBall copy" keeps step \d+ of "sim.oneBall"/).innerText();
+  const kept = (): { range: number[]; time?: number } => {
+    const { datasets } = server.say('info "sim.oneBall copy"') as { datasets: { range: number[] }[] };
+    return datasets[0] ?? { range: [] };
+  };
+  const before = kept();
+  expect(before.range).toHaveLength(2);
+  const newest = (): number => {
+    const { datasets } = server.say('info sim.oneBall') as { datasets: { origins: { step: number }[] }[] };
+    return datasets[0]?.origins[0]?.step ?? 0;
+  };
+  await expect.poll(newest).toBeGreaterThan(Number(/step (\d+)/.exec(said)?.[1]) + 2);
+  expect(kept()).toEqual(before);
+  await page.getByRole('button', { name: 'View sim.oneBall copy' }).click();
+  await whole(page);
+  expect((await savedPicture(page)).rgba.some((byte) => byte > 200)).toBe(true);
+  await page.screenshot({ path: join(inject('pictures'), 'kept-light.png') });
+  await page.getByRole('button', { name: 'Drop sim.oneBall copy' }).click();
+  await page.getByRole('button', { name: 'Really drop sim.oneBall copy' }).click();
+  await page.getByRole('button', { name: 'View sim.oneBall copy' }).waitFor({ state: 'detached' });
+  simulation.kill();
+  browser.check();
+  await page.context().close();
+});
+
 it('a view of a state file is held, too', async () => {
   const simulation = simulate('sim');
   const page = await opened();

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The list of data, from which views are opened.
+// The list of data, from which views are opened and copies are made.
+import { useState } from 'react';
 import { Foreign } from '../app/foreign';
-import { editing, useViewOnly } from '../app/view_only';
 import { useNotices } from '../app/notices';
-import { DATASET, useDatasets } from './data_list';
+import { useServer } from '../app/server';
+import { editing, useViewOnly } from '../app/view_only';
+import { statement } from '../wire/statement';
+import { copyName, keptText } from './copies';
+import { DATASET, type Dataset, useDatasets } from './data_list';
 
 interface DataPanelProps {
   onView: (name: string) => void;
@@ -11,9 +15,91 @@ interface DataPanelProps {
   onAdd: ((name: string) => void) | undefined;
 }
 
-export function DataPanel({ onView, onAdd }: DataPanelProps) {
+interface RowProps extends DataPanelProps {
+  dataset: Dataset;
+  /** The names that mean something. */
+  taken: ReadonlySet<string>;
+}
+
+function Row({ dataset: { name, type, shared, generation }, taken, onView, onAdd }: RowProps) {
   const isViewOnly = useViewOnly();
+  const server = useServer();
+  const { say, fail } = useNotices.getState();
+  const [isAsked, setAsked] = useState(false);
+  const keep = (): void => {
+    const copy = copyName(name, taken);
+    server
+      .request(statement('data.copy', [name, copy]))
+      .then((reply) => say(keptText(name, copy, reply)), fail);
+  };
+  return (
+    <tr
+      draggable={onAdd !== undefined && !isViewOnly}
+      onDragStart={(event) => {
+        event.dataTransfer.setData(DATASET, name);
+      }}
+    >
+      <th scope="row">
+        <Foreign text={name} />
+        {shared && <span className="weak"> (shared)</span>}
+      </th>
+      <td>
+        <button
+          type="button"
+          aria-label={`View ${name}`}
+          onClick={() => {
+            onView(name);
+          }}
+        >
+          View
+        </button>{' '}
+        {onAdd && (
+          <button
+            type="button"
+            aria-label={`Add ${name} to the graph`}
+            {...editing(
+              isViewOnly,
+              'Add it to the graph, with a look and to the view; or drag it onto the canvas',
+            )}
+            onClick={() => {
+              onAdd(name);
+            }}
+          >
+            Add
+          </button>
+        )}{' '}
+        <button
+          type="button"
+          aria-label={`Keep a copy of ${name}`}
+          {...editing(isViewOnly, 'Keep what it is now under another name, which newer data do not change')}
+          onClick={keep}
+        >
+          Keep
+        </button>{' '}
+        <button
+          type="button"
+          aria-label={isAsked ? `Really drop ${name}` : `Drop ${name}`}
+          {...editing(isViewOnly, 'Forget it on the server; files stay. It asks once more')}
+          onBlur={() => {
+            setAsked(false);
+          }}
+          onClick={() => {
+            if (isAsked) server.request(statement('data.drop', [name])).catch(fail);
+            setAsked(!isAsked);
+          }}
+        >
+          {isAsked ? 'Really?' : 'Drop'}
+        </button>
+      </td>
+      <td>{type}</td>
+      <td className="number">{generation}</td>
+    </tr>
+  );
+}
+
+export function DataPanel({ onView, onAdd }: DataPanelProps) {
   const datasets = useDatasets(useNotices((notices) => notices.fail));
+  const taken = new Set(datasets.map(({ name }) => name));
   if (datasets.length === 0)
     return (
       <p className="empty">
@@ -35,47 +121,11 @@ export function DataPanel({ onView, onAdd }: DataPanelProps) {
         </tr>
       </thead>
       <tbody>
-        {datasets.map(({ name, type, shared, generation }) => (
-          <tr
-            key={`${shared ? 'shared' : 'private'} ${name}`}
-            draggable={onAdd !== undefined && !isViewOnly}
-            onDragStart={(event) => {
-              event.dataTransfer.setData(DATASET, name);
-            }}
-          >
-            <th scope="row">
-              <Foreign text={name} />
-              {shared && <span className="weak"> (shared)</span>}
-            </th>
-            <td>
-              <button
-                type="button"
-                aria-label={`View ${name}`}
-                onClick={() => {
-                  onView(name);
-                }}
-              >
-                View
-              </button>{' '}
-              {onAdd && (
-                <button
-                  type="button"
-                  aria-label={`Add ${name} to the graph`}
-                  {...editing(
-                    isViewOnly,
-                    'Add it to the graph, with a look and to the view; or drag it onto the canvas',
-                  )}
-                  onClick={() => {
-                    onAdd(name);
-                  }}
-                >
-                  Add
-                </button>
-              )}
-            </td>
-            <td>{type}</td>
-            <td className="number">{generation}</td>
-          </tr>
+        {datasets.map((dataset) => (
+          <Row
+            key={`${dataset.shared ? 'shared' : 'private'} ${dataset.name}`}
+            {...{ dataset, taken, onView, onAdd }}
+          />
         ))}
       </tbody>
     </table>
