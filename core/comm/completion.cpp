@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/comm/error.h"
+#include "core/comm/tree.h"
 #include "core/comm/wire.h"
 
 namespace gxy {
@@ -91,12 +92,6 @@ size_t Completion::setsKept() const {
   return sets_.size();
 }
 
-template <class Action>
-void Completion::forEachChild(Action&& action) const {
-  const int64_t first = 2 * int64_t(transport_.rank()) + 1;
-  for (int64_t child = first; child < first + 2 && child < transport_.size(); ++child) action(int(child));
-}
-
 // ----------------------------------------------------------------------------------------------------------
 // counting
 
@@ -150,6 +145,11 @@ void Completion::receive(Bytes bytes) {
               ", expected 0 to 2");
 }
 
+void Completion::sendDown(const Bytes& message) {
+  forEachTreeChild(transport_.rank(), 0, transport_.size(),
+                   [&](int child) { transport_.send(child, channel_, message); });
+}
+
 void Completion::startWave(Set& set) {
   ++waves_;
   transport_.send(0, channel_, encode({Kind::Wave, set.id, 0, 0}));
@@ -159,11 +159,10 @@ void Completion::receiveWave(Set& set) {
   {
     std::lock_guard lock(set.mutex);
     set.createdBelow = set.retiredBelow = 0;
-    set.childrenToAnswer = 0;
-    forEachChild([&](int) { ++set.childrenToAnswer; });
+    set.childrenToAnswer = treeChildren(transport_.rank(), 0, transport_.size());
     set.waiting = true;
   }
-  forEachChild([&](int child) { transport_.send(child, channel_, encode({Kind::Wave, set.id, 0, 0})); });
+  sendDown(encode({Kind::Wave, set.id, 0, 0}));
   answerIfIdle(set);
 }
 
@@ -190,7 +189,8 @@ void Completion::answerIfIdle(Set& set) {
   if (transport_.rank() == 0)
     concludeWave(set, created, retired);
   else
-    transport_.send((transport_.rank() - 1) / 2, channel_, encode({Kind::Answer, set.id, created, retired}));
+    transport_.send(treeParent(transport_.rank(), 0, transport_.size()), channel_,
+                    encode({Kind::Answer, set.id, created, retired}));
 }
 
 void Completion::concludeWave(Set& set, uint64_t created, uint64_t retired) {
@@ -204,7 +204,7 @@ void Completion::concludeWave(Set& set, uint64_t created, uint64_t retired) {
 }
 
 void Completion::receiveDone(SetId id) {
-  forEachChild([&](int child) { transport_.send(child, channel_, encode({Kind::Done, id, 0, 0})); });
+  sendDown(encode({Kind::Done, id, 0, 0}));
   std::shared_ptr<Set> set;
   {
     std::unique_lock lock(mutex_);

@@ -104,8 +104,7 @@ class Completion {
   void receiveDone(SetId id);
   void answerIfIdle(Set& set);
   void concludeWave(Set& set, uint64_t created, uint64_t retired);
-  template <class Action>
-  void forEachChild(Action&& action) const;
+  void sendDown(const Bytes& message);
 
   Transport& transport_;
   const Rule rule_;

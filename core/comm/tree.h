@@ -14,6 +14,13 @@ void forEachTreeChild(int rank, int root, int size, Action&& action) {
     action(int((child + root) % size));
 }
 
+/// Calls `action(r)` for `rank` and all ranks below it in that tree.
+template <class Action>
+void forEachInSubtree(int rank, int root, int size, const Action& action) {
+  action(rank);
+  forEachTreeChild(rank, root, size, [&](int child) { forEachInSubtree(child, root, size, action); });
+}
+
 /// Returns the parent of `rank` in that tree, or -1 for the root.
 inline int treeParent(int rank, int root, int size) {
   const int64_t place = (int64_t(rank) - root + size) % size;

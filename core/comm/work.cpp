@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/comm/work.h"
 
+#include <algorithm>
 #include <condition_variable>
 #include <future>
 #include <memory>
@@ -173,10 +174,12 @@ void Work::receiveRequest(Bytes message) {
     reader.fail("its sender is rank " + std::to_string(request.sender) + ", expected 0 to " +
                 std::to_string(transport_.size() - 1));
   if (request.toAll) {
-    const int children = treeChildren(transport_.rank(), request.sender, transport_.size());
+    std::set<int> missing{transport_.rank()};
+    forEachTreeChild(transport_.rank(), request.sender, transport_.size(),
+                     [&](int child) { missing.insert(child); });
     {
       std::lock_guard lock(mutex_);
-      if (!gatherings_.emplace(CallId(request.sender, request.id), Gathering{children + 1, {}}).second)
+      if (!gatherings_.emplace(CallId(request.sender, request.id), Gathering{std::move(missing), {}}).second)
         reader.fail("it came twice");
     }
     forEachTreeChild(transport_.rank(), request.sender, transport_.size(),
@@ -220,24 +223,25 @@ void Work::reply(const Message& request, const nlohmann::json& result, const std
   const CallId call(request.sender, request.id);
   Replies mine{{{error, dumpJson(result)}, {transport_.rank()}}};
   if (request.toAll)
-    gather(call, std::move(mine));
+    gather(call, transport_.rank(), std::move(mine));
   else
     sendReplies(request.sender, call, false, mine);
 }
 
 // Adds replies to those that have come. Once all are there, they go up the tree.
-void Work::gather(CallId call, Replies replies) {
+void Work::gather(CallId call, int source, Replies replies) {
   {
     std::lock_guard lock(mutex_);
     const auto found = gatherings_.find(call);
-    if (found == gatherings_.end())
-      throw Error("replies came to work " + std::to_string(call.second) + " of rank " +
-                  std::to_string(call.first) + ", which this rank does not gather");
+    if (found == gatherings_.end() || found->second.missing.erase(source) == 0)
+      throw Error("replies of rank " + std::to_string(source) + " came to work " +
+                  std::to_string(call.second) + " of rank " + std::to_string(call.first) +
+                  ", which this rank does not wait for");
     for (auto& [said, ranks] : replies) {
       std::vector<int32_t>& all = found->second.replies[said];
       all.insert(all.end(), ranks.begin(), ranks.end());
     }
-    if (--found->second.missing > 0) return;
+    if (!found->second.missing.empty()) return;
     replies = std::move(gatherings_.extract(found).mapped().replies);
   }
   const int parent = treeParent(transport_.rank(), call.first, transport_.size());
@@ -260,22 +264,43 @@ void Work::receiveReply(int source, const Bytes& message) {
   const auto sender = reader.read<int32_t>();
   const auto id = reader.read<uint64_t>();
   const auto toAll = reader.read<bool>();
+  const int me = transport_.rank(), size = transport_.size();
+  if (sender < 0 || sender >= size || (toAll ? treeParent(source, sender, size) : sender) != me)
+    reader.fail("rank " + std::to_string(source) + " has none to send here for a work of rank " +
+                std::to_string(sender));
+  std::vector<int32_t> ranks;
+  if (toAll)
+    forEachInSubtree(source, sender, size, [&](int rank) { ranks.push_back(rank); });
+  else
+    ranks.push_back(source);
   Replies replies;
+  // From here on it is known who waits for whose replies, so what is wrong becomes an error of these ranks.
+  try {
+    replies = readReplies(reader, ranks);
+  } catch (const std::exception& error) {
+    replies = {{{"its reply came by rank " + std::to_string(source) + ": " + error.what(), "null"}, ranks}};
+  }
+  if (toAll)
+    gather({sender, id}, source, std::move(replies));
+  else
+    conclude(id, replies);
+}
+
+// Reads the replies of so many ranks, each of which has one.
+Work::Replies Work::readReplies(Reader& reader, std::vector<int32_t> expected) {
+  Replies replies;
+  std::vector<int32_t> came;
   while (!reader.rest().empty()) {
     std::string error = reader.readString(), result = reader.readString();
-    auto ranks = reader.readVector<int32_t>();
-    for (const int32_t rank : ranks)
-      if (rank < 0 || rank >= transport_.size()) reader.fail("it is of rank " + std::to_string(rank));
-    replies[{std::move(error), std::move(result)}] = std::move(ranks);
+    const auto ranks = reader.readVector<int32_t>();
+    came.insert(came.end(), ranks.begin(), ranks.end());
+    std::vector<int32_t>& all = replies[{std::move(error), std::move(result)}];
+    all.insert(all.end(), ranks.begin(), ranks.end());
   }
-  if (toAll) {
-    if (treeParent(source, sender, transport_.size()) != transport_.rank())
-      reader.fail("rank " + std::to_string(source) + " is no child of this rank in the tree of rank " +
-                  std::to_string(sender));
-    return gather({sender, id}, std::move(replies));
-  }
-  if (sender != transport_.rank()) reader.fail("it is for rank " + std::to_string(sender));
-  conclude(id, replies);
+  std::ranges::sort(came);
+  std::ranges::sort(expected);
+  if (came != expected) reader.fail("it has not one reply of each rank that it should have");
+  return replies;
 }
 
 // Hands the replies to whoever has called.

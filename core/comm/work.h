@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -17,8 +18,10 @@
 
 namespace gxy {
 
+class Reader;
+
 /// Calls named actions on one rank or on all (down a binary tree rooted at the sender), and brings the
-/// results back (up the same tree, so that a rank gets two messages at most, and equal results stand in them once). If a name is unknown, a message is malformed or an action throws, the sender gets an error
+/// results back (up the same tree, so that a rank gets two messages at most, and equal results stand in them once). If a name is unknown, a request or a reply is malformed or an action throws, the sender gets an error
 /// with that rank; none of these ends a process.
 ///
 /// Threads: any thread may call all functions except the constructor and destructor, handlers included. Only
@@ -93,7 +96,7 @@ class Work {
   using Replies = std::map<std::pair<std::string, std::string>, std::vector<int32_t>>;
   /// Replies to a call of all ranks on their way up the tree: those of this rank and of the ranks below it.
   struct Gathering {
-    int missing;  ///< messages that are to come: this rank's own reply, and one of each child
+    std::set<int> missing;  ///< ranks whose message is to come: this one, and its children
     Replies replies;
   };
   struct Message;
@@ -106,7 +109,8 @@ class Work {
   void receiveReply(int source, const Bytes& message);
   void run(const Message& request, const Action& action);
   void reply(const Message& request, const nlohmann::json& result, const std::string& error);
-  void gather(CallId call, Replies replies);
+  static Replies readReplies(Reader& reader, std::vector<int32_t> expected);
+  void gather(CallId call, int source, Replies replies);
   void sendReplies(int destination, CallId call, bool toAll, const Replies& replies);
   void conclude(uint64_t id, const Replies& replies);
   void startTask(Runs runs, Transport::Task task);

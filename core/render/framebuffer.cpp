@@ -50,34 +50,35 @@ class Mean {
 
 }  // namespace
 
-Framebuffer::Framebuffer(int width, int height, int samples, bool depth, Hold hold)
-    : width_(width),
-      height_(height),
+Framebuffer::Framebuffer(glm::ivec2 size, Rows rows, int samples, bool depth, Hold hold)
+    : size_(size),
+      rows_(rows),
+      first_(size_t(size.x) * size_t(rows.first)),
+      pixels_(size_t(size.x) * size_t(rows.count())),
       samples_(samples),
       hasDepth_(depth),
       hold_(std::move(hold)),
-      begun_(blocksOf(size_t(width) * size_t(height))) {}
+      begun_(blocksOf(pixels_)) {}
 
 void Framebuffer::take() {
   if (!sums_.empty()) return;
-  if (hold_) held_ = hold_(bytesOf(width_, height_, hasDepth_));
-  const size_t pixels = size_t(width_) * size_t(height_);
-  if (hasDepth_) depth_.assign(pixels, kMiss);
-  sums_.resize(4 * pixels);
+  if (hold_) held_ = hold_(bytesOf(size_.x, rows_.count(), hasDepth_));
+  if (hasDepth_) depth_.assign(pixels_, kMiss);
+  sums_.resize(4 * pixels_);
 }
 
 bool Framebuffer::add(std::span<const Contribution> contributions) {
-  const size_t pixels = size_t(width_) * size_t(height_);
   for (const Contribution& c : contributions)
-    if (c.pixel >= pixels) return false;
+    if (placeOf(c.pixel) >= pixels_) return false;
   if (contributions.empty()) return true;
   std::lock_guard lock(mutex_);
   take();
   for (const Contribution& c : contributions) {
-    uint8_t& begun = begun_[c.pixel / kBlock];
-    if (!begun) std::ranges::fill(partOf(std::span(sums_), c.pixel / kBlock), 0);
+    const size_t place = placeOf(c.pixel);
+    uint8_t& begun = begun_[place / kBlock];
+    if (!begun) std::ranges::fill(partOf(std::span(sums_), place / kBlock), 0);
     begun = 1;
-    int64_t* p = &sums_[size_t(4) * c.pixel];
+    int64_t* p = &sums_[4 * place];
     p[0] += c.r;
     p[1] += c.g;
     p[2] += c.b;
@@ -87,37 +88,38 @@ bool Framebuffer::add(std::span<const Contribution> contributions) {
 }
 
 bool Framebuffer::addDepths(std::span<const DepthContribution> depths) {
-  const size_t pixels = hasDepth_ ? size_t(width_) * size_t(height_) : 0;
   for (const DepthContribution& d : depths)
-    if (d.pixel >= pixels) return false;
+    if (!hasDepth_ || placeOf(d.pixel) >= pixels_) return false;
   if (depths.empty()) return true;
   std::lock_guard lock(mutex_);
   take();
-  for (const DepthContribution& d : depths) depth_[d.pixel] = std::min(depth_[d.pixel], d.depth);
+  for (const DepthContribution& d : depths) {
+    double& depth = depth_[placeOf(d.pixel)];
+    depth = std::min(depth, d.depth);
+  }
   return true;
 }
 
 size_t Framebuffer::pixelsLeft() const {
   std::lock_guard lock(mutex_);
-  const size_t pixels = size_t(width_) * size_t(height_);
   size_t left = 0;
   for (size_t b = 0; b < begun_.size(); b++)
-    if (!begun_[b]) left += std::min(kBlock, pixels - kBlock * b);
+    if (!begun_[b]) left += std::min(kBlock, pixels_ - kBlock * b);
   return left;
 }
 
 Picture Framebuffer::picture(const Background& background, bool together) const {
   std::lock_guard lock(mutex_);
-  const Mean mean(samples_, background, {width_, height_});
+  const Mean mean(samples_, background, size_);
   static constexpr std::array<int64_t, 4 * kBlock> kNothing{};
   std::array<float, 4> empty{};
   mean(0, std::span(kNothing).first(4), empty);
-  const size_t pixels = size_t(width_) * size_t(height_);
-  LargeVector<float> rgba(4 * pixels);
+  LargeVector<float> rgba(4 * pixels_);
   const auto convert = [&](size_t b) {
     const std::span<float> part = partOf(std::span(rgba), b);
-    if (begun_[b]) return mean(kBlock * b, partOf(std::span(sums_), b), part);
-    if (background.isGradient()) return mean(kBlock * b, std::span(kNothing).first(part.size()), part);
+    const size_t first = first_ + kBlock * b;
+    if (begun_[b]) return mean(first, partOf(std::span(sums_), b), part);
+    if (background.isGradient()) return mean(first, std::span(kNothing).first(part.size()), part);
     for (size_t i = 0; i < part.size(); i++) part[i] = empty[i % 4];
   };
   if (together)
@@ -125,8 +127,8 @@ Picture Framebuffer::picture(const Background& background, bool together) const 
   else
     for (size_t b = 0; b < begun_.size(); b++) convert(b);
   std::vector<double> depth = depth_;
-  if (hasDepth_ && depth.empty()) depth.assign(pixels, kMiss);
-  return {width_, height_, std::move(rgba), std::move(depth), {}, samples_};
+  if (hasDepth_ && depth.empty()) depth.assign(pixels_, kMiss);
+  return {size_.x, rows_.count(), std::move(rgba), std::move(depth), {}, samples_};
 }
 
 Picture Framebuffer::takeSums() {
@@ -135,7 +137,7 @@ Picture Framebuffer::takeSums() {
   for (size_t b = 0; b < begun_.size(); b++)
     if (!begun_[b]) std::ranges::fill(partOf(std::span(sums_), b), 0);
   begun_.clear();
-  return {width_, height_, {}, std::move(depth_), std::exchange(sums_, {}), samples_};
+  return {size_.x, rows_.count(), {}, std::move(depth_), std::exchange(sums_, {}), samples_};
 }
 
 void Framebuffer::release() {

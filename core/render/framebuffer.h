@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/rays/ray_list.h"
@@ -29,34 +30,44 @@ struct Picture {
   }
 };
 
+/// Rows of a picture, from `first` to the one before `end`.
+struct Rows {
+  int first = 0, end = 0;
+  int count() const { return end - first; }
+};
+
 /// Returns the RGBA of a picture of `size` pixels: the mean of `sums` over samples in front of `background`
 /// (which is premultiplied by its alpha here). Colours below 0 become 0, because an incomplete frame may lack
 /// light that something was already subtracted from. Runs on the threads of the calling thread's task arena.
 LargeVector<float> pixelsOf(std::span<const int64_t> sums, int samples, const Background& background,
                             glm::ivec2 size);
 
-/// Integer accumulators of all pixels, so that sums do not depend on the order of arrival. Thread safe. It
-/// takes 32 bytes per pixel, and 8 more with depth, from the first contribution to release(). Blocks of
-/// pixels to which nothing is added are neither written nor read.
+/// Integer accumulators of the pixels of a picture or of some of its rows, so that sums do not depend on the
+/// order of arrival. Thread safe. It takes 32 bytes per pixel, and 8 more with depth, from the first
+/// contribution to release(). Blocks of pixels to which nothing is added are neither written nor read.
 class Framebuffer {
  public:
   /// Called with the size of the memory when the first contribution arrives. The framebuffer keeps what it
   /// returns as long as the memory.
   using Hold = std::function<std::shared_ptr<void>(int64_t bytes)>;
 
-  Framebuffer(int width, int height, int samples, bool depth, Hold hold = {});
+  /// Of a whole picture.
+  Framebuffer(int width, int height, int samples, bool depth, Hold hold = {})
+      : Framebuffer({width, height}, {0, height}, samples, depth, std::move(hold)) {}
+  /// Of some rows of a picture of this size.
+  Framebuffer(glm::ivec2 size, Rows rows, int samples, bool depth, Hold hold = {});
 
-  /// Adds contributions to their pixels. Returns false, without adding any, if a pixel lies outside the
-  /// picture. Throws std::bad_alloc.
+  /// Adds contributions to their pixels. Pixels have their number in the whole picture. Returns false, without
+  /// adding any, if a pixel lies outside the rows. Throws std::bad_alloc.
   bool add(std::span<const Contribution> contributions);
   /// Keeps the smallest depth of each pixel. Returns false, without adding any, if a pixel lies outside the
-  /// picture or the framebuffer has no depth. Throws std::bad_alloc.
+  /// rows or the framebuffer has no depth. Throws std::bad_alloc.
   bool addDepths(std::span<const DepthContribution> depths);
 
-  /// Returns what has arrived so far, as pixelsOf would convert its sums. `together` uses the threads of the
+  /// Returns the rows with what has arrived so far, as pixelsOf would convert its sums. `together` uses the threads of the
   /// calling thread's task arena, otherwise only the calling thread works.
   Picture picture(const Background& background, bool together = false) const;
-  /// Returns the sums and depths themselves; the framebuffer no longer has them.
+  /// Returns the sums and depths of the rows themselves; the framebuffer no longer has them.
   Picture takeSums();
 
   /// Frees the memory. Nothing may be added afterwards.
@@ -73,12 +84,18 @@ class Framebuffer {
  private:
   void take();  ///< allocates the memory if there is none; the lock is held
 
-  const int width_, height_, samples_;
+  size_t placeOf(uint32_t pixel) const { return size_t(pixel) - first_; }  ///< huge for one before the rows
+
+  const glm::ivec2 size_;  ///< of the whole picture
+  const Rows rows_;
+  const size_t first_, pixels_;  ///< number of the first pixel, and how many there are
+  const int samples_;
   const bool hasDepth_;
   const Hold hold_;
   mutable std::mutex mutex_;
   std::shared_ptr<void> held_;
-  LargeVector<int64_t> sums_;  ///< 4 per pixel, in units of 2^-26; empty before the first contribution
+  LargeVector<int64_t>
+      sums_;  ///< 4 per pixel of the rows, in units of 2^-26; empty before the first contribution
   /// For each block of pixels: whether its sums are written. If not, they are 0.
   std::vector<uint8_t> begun_;
   std::vector<double> depth_;  ///< 1 per pixel; empty before the first contribution and without depth

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of frames: asked for, prepared, superseded, finished, delivered. renderer_rays.cpp has what is done
-// with their rays, and Flights what is the same for all items.
+// The life of frames: asked for, prepared, superseded, delivered. renderer_rays.cpp has what is done with their
+// rays, renderer_pictures.cpp what becomes of their pictures, and Flights what is the same for all items.
 #include "core/render/renderer.h"
 
 #include <algorithm>
@@ -113,7 +113,9 @@ Renderer::Renderer(Transport& transport, Options options)
   if (options_.packetRays < 16)
     throw Error("packets of " + std::to_string(options_.packetRays) + " rays, expected >= 16");
   if (options_.raysInFlight < 1) throw Error("the number of rays in flight must be >= 1");
-  transport_.onMessage(Channel::Contributions, [this](int, Bytes m) { receiveContributions(std::move(m)); });
+  if (options_.ranksPerPart < 1) throw Error("the number of ranks for a part of a picture must be >= 1");
+  transport_.onMessage(Channel::Contributions,
+                       [this](int source, Bytes m) { receivePixels(source, std::move(m)); });
 }
 
 Renderer::~Renderer() {
@@ -169,6 +171,7 @@ Renderer::ResourceCounts Renderer::kept() const {
   std::lock_guard lock(mutex_);
   kept.callbacks = pending_.size();
   kept.windows = windows_.size();
+  kept.pictures = collecting_.size();
   return kept;
 }
 
@@ -277,7 +280,7 @@ void Renderer::delivered(FrameId id, const std::string& error) {
 void Renderer::prepare(Frame& frame) {
   const FrameRequest& request = frame.request;
   const Bytes operation = std::exchange(frame.operation, {});
-  if (frame.pictureOwner == transport_.rank() && !operation.empty()) {
+  if (frame.ownsPicture() && !operation.empty()) {
     PictureOperationReader read;
     {
       std::lock_guard lock(mutex_);
@@ -304,7 +307,7 @@ void Renderer::prepare(Frame& frame) {
   compiled.firstSample = request.firstSample;
   frame.samples = compiled.samples;
   frame.limits = limitsOf(scene, compiled);
-  if (frame.pictureOwner == transport_.rank()) {
+  if (frame.part) {
     auto hold = [entry = &frame.account().framebuffer, all = framebuffers_](int64_t bytes) {
       all->more();
       return std::shared_ptr<void>(new LedgerEntry(entry->another(bytes)), [all](LedgerEntry* held) {
@@ -312,8 +315,8 @@ void Renderer::prepare(Frame& frame) {
         all->now--;
       });
     };
-    frame.framebuffer = std::make_unique<Framebuffer>(compiled.width, compiled.height, compiled.samples,
-                                                      compiled.depth, std::move(hold));
+    frame.framebuffer = std::make_unique<Framebuffer>(frame.parts.size(), frame.parts.rows(*frame.part),
+                                                      compiled.samples, compiled.depth, std::move(hold));
   }
   TileList list =
       tilesOf(scene, compiled, transport_.rank(), tileSide(options_.raysInFlight, frame.perPrimary));
@@ -325,46 +328,7 @@ void Renderer::prepare(Frame& frame) {
   counters_.tilesSkipped += list.skipped * uint64_t(frame.samples);
   for (int p : scene.partitioning->owned(transport_.rank()))
     counters_.partitionsSkipped += !scene.visible[size_t(p)];
-}
-
-void Renderer::finish(const FramePtr& frame, bool hasPicture) {
-  if (options_.trace) options_.trace->addLong("frame", frame->id, frame->begun);
-  if (frame->pictureOwner != transport_.rank()) return;
-  std::function<void()> task = [this, frame, hasPicture] { deliver(frame, hasPicture); };
-  TaskRunner& runner = frame->request.priority.interactive ? flights_.tasks() : handOuts_;
-  runner.push(frame->request.priority, frame->id, std::move(task));
-}
-
-void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
-  // Rank 0 is told even if there is no memory for the picture or the handler throws, because the frame is
-  // over.
-  std::string error;
-  const std::shared_ptr<void> tell(nullptr,
-                                   [&](void*) { flights_.report(frame->id, Writer().write(error).take()); });
-  const PictureOperationPtr& operation = frame->request.operation;
-  PictureHandler handler;
-  {
-    std::lock_guard lock(mutex_);
-    handler = pictureHandler_;
-    const bool wanted = operation ? operationReader_ != nullptr : handler != nullptr;
-    if (!wanted || !hasPicture) return;
-    counters_.pixelsSkipped += frame->framebuffer->pixelsLeft();
-  }
-  const Trace::Span span(options_.trace, "picture", frame->id);
-  try {
-    Picture picture = frame->request.sums ? frame->framebuffer->takeSums()
-                                          : frame->framebuffer->picture(frame->scene.compiled->settings,
-                                                                        frame->request.priority.interactive);
-    frame->framebuffer->release();
-    const LedgerEntry memory = frame->account().picture.another(int64_t(picture.bytes()));
-    if (operation)
-      operation->run(std::move(picture));
-    else
-      handler(frame->id, frame->request, std::move(picture));
-  } catch (const std::exception& e) {
-    error = "rank " + std::to_string(transport_.rank()) + ": " + textOf(e);
-    throw;
-  }
+  if (frame.part && frame.parts.count() > 1) collecting_[frame.id] = frame.shared_from_this();
 }
 
 }  // namespace gxy

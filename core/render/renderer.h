@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,9 +52,10 @@ struct FrameRequest {
 ///
 /// A frame is a flight (Flights) whose items are rays. Rank 0 starts a frame and makes it known on all ranks.
 /// Each rank spawns the primary rays that first meet something visible in one of its partitions. Rays are
-/// traced where they are and forwarded where they go. Contributions are sent to the rank that owns the frame's
-/// framebuffer (owners are dealt out round robin). A frame is done when Completion says that every ray and
-/// every message of contributions has been retired. Only then does its owner hand out the picture.
+/// traced where they are and forwarded where they go. Contributions are sent to the rank that has the
+/// framebuffer of their pixels (PictureParts). A frame is done when Completion says that every ray and every
+/// message of contributions has been retired. Only then do the parts of its picture come together on the rank
+/// that owns it, which hands it out.
 ///
 /// Memory: credits bound the rays. A primary ray takes 1 + (secondaries per hit) credits of its rank and
 /// gives them back wherever it and its secondaries end. A rank spawns only while it has credits, so the rays
@@ -63,7 +65,8 @@ struct FrameRequest {
 /// contribution arrives, and gives it back before the picture's handler runs. Of the frames of a stream that
 /// are not interactive, rank 0 begins as many as Options::framebufferBytes allows (Admission), and keeps the
 /// requests of the others. The ledger shows what frames hold, 0 when none is under way: "rays" (lists that
-/// wait or are traced), "framebuffer", "picture" (while its handler runs), "parked messages" and "tiles".
+/// wait or are traced), "framebuffer", "picture" (its parts, and while its handler runs), "parked messages" and
+/// "tiles".
 ///
 /// Order: each rank runs tasks and spawns tiles in the order of ReadyQueue, which shares the processors among
 /// tenants and the streams of each. A running task is not interrupted. But a task traces one packet and puts
@@ -101,6 +104,7 @@ class Renderer {
     int runners = 1024;  ///< most tasks that it gives the Transport at once
     /// Most pictures that are handed out at once, of frames that are not interactive; 0: no limit.
     int handOuts = 0;
+    int ranksPerPart = 16;  ///< for so many ranks a picture has a part (PictureParts); the same on all ranks
   };
   /// The end of a frame: with a picture, superseded, or with an error of a rank or of the picture handler.
   struct Ending {
@@ -163,6 +167,7 @@ class Renderer {
     size_t frames = 0;                  ///< started here and not finished
     size_t parkedMessages = 0;          ///< messages of frames that have not started here
     size_t callbacks = 0, windows = 0;  ///< rank 0
+    size_t pictures = 0;                ///< of several parts, one of them this rank's
     size_t completionSets = 0;
     size_t tasks = 0;                           ///< tasks that wait for their turn
     int64_t credits = 0;                        ///< credits out
@@ -201,10 +206,20 @@ class Renderer {
   void prepare(Frame& frame);
   void complete(FrameId id, const FlightEnding& ending);
   void finish(const FramePtr& frame, bool hasPicture);
+  void handOut(const FramePtr& frame, bool hasPicture);
+  void makePart(const FramePtr& frame);
+  Picture ownRows(Frame& frame);
+  void collect(const FramePtr& frame, int source, Bytes part);
+  void receiveParts(int source, Bytes message);
+  void sendParts(const FramePtr& frame);
+  Picture wholePicture(Frame& frame);
   void deliver(const FramePtr& frame, bool hasPicture);
   void delivered(FrameId id, const std::string& error);
   void takeResult(Frame& frame, TraceResult& result);
   void contribute(Frame& frame, TraceResult& result);
+  void addTo(Frame& frame, int part, std::span<const Contribution> contributions,
+             std::span<const DepthContribution> depths);
+  void receivePixels(int source, Bytes message);
   void receiveContributions(Bytes message);
 
   Transport& transport_;
@@ -221,6 +236,8 @@ class Renderer {
   std::map<FrameId, Pending> pending_;   ///< rank 0
   Admission admission_;                  ///< rank 0
   std::map<uint64_t, FrameId> windows_;  ///< rank 0: newest frame of each window, while it is pending
+  /// Frames under way whose picture has several parts, one of them this rank's.
+  std::map<FrameId, FramePtr> collecting_;
   Counters counters_;
 
   Flights<TraceResult> flights_;  ///< the last member, as it calls this Renderer from its constructor on

@@ -2,11 +2,13 @@
 // The state that a Renderer keeps of a frame. Only for the Renderer's own sources.
 #pragma once
 #include <atomic>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/render/check_rays.h"
+#include "core/render/picture_parts.h"
 #include "core/render/renderer.h"
 #include "core/render/tiles.h"
 
@@ -17,13 +19,21 @@ struct Renderer::Scene {
   std::shared_ptr<const DeviceScene> device;
 };
 
+/// What a message on Channel::Contributions begins with, before the number of the frame.
+enum class PixelMessage : uint8_t {
+  Contributions,  ///< to the rank of a part, while the frame is under way
+  Parts,          ///< finished ones, to the rank of the part above them in the tree
+};
+
 /// A frame as a flight: its items are rays, its chunks are tiles, and its act is to trace and to shade.
 struct Renderer::Frame final : Flight<TraceResult>, std::enable_shared_from_this<Frame> {
   Frame(Renderer& renderer, FrameId id, FrameRequest request)
       : Flight(id, renderer.options_.packetRays),
         renderer(renderer),
         request(std::move(request)),
-        pictureOwner(int(id % uint64_t(renderer.transport_.size()))),
+        parts(id, this->request.camera.dimensions, renderer.transport_.size(),
+              renderer.options_.ranksPerPart),
+        part(parts.ofRank(renderer.transport_.rank())),
         mostUrgentWork(uint64_t(renderer.options_.urgentWork.count())) {}
 
   Renderer& renderer;
@@ -32,12 +42,17 @@ struct Renderer::Frame final : Flight<TraceResult>, std::enable_shared_from_this
   Bytes operation;
   Scene scene;
   std::shared_ptr<const DeviceFrame> device;  ///< null if this rank could not begin the frame
-  const int pictureOwner;                     ///< the rank that has the framebuffer
+  const PictureParts parts;                   ///< of its picture
+  const std::optional<int> part;              ///< the one of this rank
   int samples = 1;                            ///< rays per pixel
   int64_t perPrimary = 1;                     ///< credits that a primary ray takes
   RayLimits limits;                           ///< what rays that arrive are checked against
-  std::unique_ptr<Framebuffer> framebuffer;   ///< on its owner; null if it could not begin the frame
-  std::optional<Account> own;                 ///< of a frame that names an account
+  std::unique_ptr<Framebuffer> framebuffer;   ///< of this rank's part; null if it could not begin the frame
+  /// Messages with finished parts, by the rank that they came from, and their memory: this rank's own part, and
+  /// the parts below it in the tree. Guarded by Renderer::mutex_ until all have come.
+  std::map<int, Bytes> finished;
+  LedgerEntry finishedMemory;
+  std::optional<Account> own;  ///< of a frame that names an account
   LedgerEntry tileMemory;
   std::vector<SpawnTile> tiles;  ///< tiles of the first sample
   /// Index of the tile that is spawned next: all tiles of a sample, then those of the next sample. Guarded by
@@ -47,6 +62,7 @@ struct Renderer::Frame final : Flight<TraceResult>, std::enable_shared_from_this
   std::atomic<uint64_t> work = 0;  ///< nanoseconds of this rank's processors or device
   const Trace::Clock::time_point begun = Trace::Clock::now();
 
+  bool ownsPicture() const { return part == 0; }
   const Account& account() const { return own ? *own : renderer.account_; }
   SpawnTile nextTile() const {
     SpawnTile tile = tiles[next % tiles.size()];

@@ -7,6 +7,7 @@
 
 #include "core/comm/error.h"
 #include "core/comm/in_process.h"
+#include "tests/comm/tap.h"
 #include "tests/comm/work_checks.h"
 
 using namespace gxy;
@@ -129,6 +130,74 @@ TEST(Work, MalformedMessagesAreRefusedOrAnswered) {
     EXPECT_LE(answers, 1);
     EXPECT_EQ(ranks.broadcast(0, "echo", 5).at(1).result, 5);
   }
+}
+
+// A rank passes on what the ranks below it reply, so what it spoils is theirs, too.
+TEST(Work, ACorruptReplyIsAnErrorOfEachRankThatItCouldBeOf) {
+  using test::Tap;
+  constexpr int kRanks = 7,
+                kCaller = 2;  // the tree of rank 2: its children are 3 and 4, and those of 3 are 5 and 6
+  Random random(5);
+  for (uint64_t seed = 0; seed < 500; ++seed) {
+    InProcessWorld::Options options;
+    std::vector<std::string> errors;
+    options.onError = [&](int, const std::string& error) { errors.push_back(error); };
+    InProcessWorld world(kRanks, seed, options);
+    const size_t header = 1 + 4 + 8 + 1;  // says whose call it is
+    const auto spoil = [&](int, Channel, Bytes& message) {
+      if (message[0] != std::byte(1)) return;  // not a reply
+      message.resize(header + random.below(message.size() - header));
+      if (seed % 2 == 0) message.resize(message.size() + 1 + random.below(99), std::byte(random.next()));
+    };
+    std::vector<std::unique_ptr<Tap>> taps;
+    std::vector<std::unique_ptr<Work>> works;
+    for (int r = 0; r < kRanks; ++r) {
+      taps.push_back(std::make_unique<Tap>(
+          world.rank(r), r == 3 ? Tap::Look(spoil) : [](int, Channel, Bytes&) {}));
+      works.push_back(std::make_unique<Work>(*taps.back()));
+      addWorks(*works.back(), r);
+    }
+    std::optional<std::vector<Work::Reply>> all, one;
+    works[kCaller]->broadcast("echo", "x", [&](auto got) { all = std::move(got); });
+    works[0]->send(3, "echo", "x", [&](auto got) { one = std::move(got); });
+    world.run();
+    ASSERT_TRUE(all && one) << "seed " << seed;
+    ASSERT_EQ(all->size(), size_t(kRanks));
+    for (int r = 0; r < kRanks; ++r) {
+      const Work::Reply& reply = all->at(size_t(r));
+      EXPECT_EQ(reply.rank, r);
+      const bool spoilt = r == 3 || r == 5 || r == 6;
+      EXPECT_EQ(reply.ok(), !spoilt) << "rank " << r << ", seed " << seed;
+      if (spoilt) {
+        EXPECT_EQ(reply.error.rfind("rank " + std::to_string(r) + ": its reply came by rank 3: ", 0), 0u)
+            << reply.error;
+      }
+    }
+    ASSERT_EQ(one->size(), 1u);
+    EXPECT_EQ(one->front().rank, 3);
+    EXPECT_FALSE(one->front().ok());
+    EXPECT_EQ(errors, std::vector<std::string>{});
+  }
+}
+
+TEST(Work, AReplyThatComesTwiceIsRefused) {
+  InProcessWorld::Options options;
+  std::vector<std::string> errors;
+  options.onError = [&](int, const std::string& error) { errors.push_back(error); };
+  InProcessWorld world(4, 3, options);
+  test::Tap twice(world.rank(1), [&](int destination, Channel channel, Bytes& message) {
+    if (message[0] == std::byte(1)) world.rank(1).send(destination, channel, message);
+  });
+  std::vector<std::unique_ptr<Work>> works;
+  for (int r = 0; r < 4; ++r) {
+    works.push_back(std::make_unique<Work>(r == 1 ? static_cast<Transport&>(twice) : world.rank(r)));
+    addWorks(*works.back(), r);
+  }
+  size_t replies = 0;
+  works[0]->broadcast("echo", "x", [&](auto got) { replies = got.size(); });
+  world.run();
+  EXPECT_EQ(replies, 4u);
+  EXPECT_EQ(errors.size(), 1u);
 }
 
 TEST(Work, WaitingCallsThrowTheErrorsOfAllRanks) {

@@ -39,7 +39,11 @@ TEST(FramesOverMpi, AreAllReportedAndRight) {
   std::atomic<int> wrong = 0;
   std::string firstWrong;
   {
-    Renderer renderer(transport, {16, 200});
+    Renderer::Options options;
+    options.packetRays = 16;
+    options.raysInFlight = 200;
+    options.ranksPerPart = 1;
+    Renderer renderer(transport, options);
     Picture expected[2];
     for (int i = 0; i < 2; i++) {
       expected[i] = wholeOnEmbree(scenes[i]);
@@ -79,6 +83,7 @@ TEST(FramesOverMpi, AreAllReportedAndRight) {
       EXPECT_EQ(kept.frames, 0u);
       EXPECT_EQ(kept.parkedMessages, 0u);
       EXPECT_EQ(kept.callbacks, 0u);
+      EXPECT_EQ(kept.pictures, 0u);
     }
   }
   EXPECT_EQ(wrong, 0) << firstWrong;

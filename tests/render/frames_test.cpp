@@ -62,6 +62,7 @@ void expectNothingKept(Frames& frames) {
     EXPECT_EQ(kept.parkedMessages, 0u);
     EXPECT_EQ(kept.callbacks, 0u);
     EXPECT_EQ(kept.windows, 0u);
+    EXPECT_EQ(kept.pictures, 0u);
     EXPECT_EQ(kept.completionSets, 0u);
     EXPECT_EQ(kept.credits, 0);
   }
@@ -75,6 +76,7 @@ TEST(Frames, TinyOnesAreRightUnderManySchedules) {
     run.seed = uint64_t(seed);
     run.options.packetRays = 16;
     run.options.raysInFlight = seed % 3 ? 1 : 1 << 20;
+    run.options.ranksPerPart = 1 + seed % 4;  // pictures of 2 and 3 parts, of 2, and of 1
     Frames frames(3, run);
     frames.add(1, balls.compiled);
     frames.add(2, volume.compiled);
@@ -100,6 +102,7 @@ TEST(Frames, ANewerFrameOfAWindowSupersedesTheOlder) {
     run.seed = seed;
     run.options.packetRays = 16;
     run.options.raysInFlight = 500;
+    run.options.ranksPerPart = 1 + int(seed % 4);
     Frames frames(4, run);
     frames.add(1, balls.compiled);
     std::vector<FrameId> ids;
@@ -135,6 +138,7 @@ TEST(Frames, OfSeveralScenesShareTheRanks) {
     run.threaded = threaded;
     run.options.packetRays = 64;
     run.options.raysInFlight = 300;
+    run.options.ranksPerPart = 1;
     Frames frames(8, run);
     frames.add(1, balls.compiled);
     frames.add(2, volume.compiled);
@@ -208,6 +212,29 @@ TEST(Frames, ThatSeeNothingAreReportedAndAreBackground) {
   balls.scene.camera.viewdirection = -balls.scene.camera.viewdirection;
   const Picture p = render(balls.scene, 3, balls.compiled);
   for (size_t i = 0; i < p.rgba.size(); i += 4) ASSERT_EQ(p.rgba[i + 2], 0.2f);
+}
+
+// Three ranks, and three parts of a picture.
+TEST(Frames, OfSeveralPartsHaveTheSumsThatOneFramebufferHas) {
+  const Prepared volume(tinyVolume({17, 20}), kdCut(sceneDomain(), 5, 3, 4));
+  FrameRequest request = volume.request(1);
+  request.sums = true;
+  const auto pictureOf = [&](int ranksPerPart) {
+    FrameRun run;
+    run.options.ranksPerPart = ranksPerPart;
+    Frames frames(3, run);
+    frames.add(1, volume.compiled);
+    const FrameId id = frames.start(request);
+    frames.run();
+    EXPECT_EQ(frames.errors(), std::vector<std::string>{});
+    return frames.outcome(id).picture;
+  };
+  const Picture together = pictureOf(3), inParts = pictureOf(1);
+  EXPECT_EQ(inParts.sums, together.sums);
+  EXPECT_EQ(inParts.depth, together.depth);
+  EXPECT_EQ(inParts.samples, together.samples);
+  EXPECT_TRUE(inParts.rgba.empty());
+  EXPECT_NE(together.sums, LargeVector<int64_t>(4 * 17 * 20, 0));
 }
 
 TEST(Frames, OfOnePixel) {
@@ -307,6 +334,7 @@ TEST(Frames, RunTheirOperationWhereTheirPictureIs) {
     FrameRun run;
     run.seed = seed;
     run.options.packetRays = 64;
+    run.options.ranksPerPart = 1 + int(seed % 3);
     Frames frames(3, run);
     frames.add(1, balls.compiled);
     std::vector<OperationRun> done;

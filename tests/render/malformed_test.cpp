@@ -4,9 +4,11 @@
 
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "core/comm/random.h"
 #include "core/comm/wire.h"
+#include "tests/comm/tap.h"
 #include "tests/support/frames.h"
 
 namespace gxy::test {
@@ -21,34 +23,22 @@ TestScene scene() {
   return s;
 }
 
-// A Transport that shows what is sent.
-class Tap final : public Transport {
- public:
-  using Look = std::function<void(Channel, Bytes&)>;
-  Tap(Transport& to, Look look) : to_(to), look_(std::move(look)) {}
-  int rank() const override { return to_.rank(); }
-  int size() const override { return to_.size(); }
-  void send(int destination, Channel channel, Bytes message) override {
-    look_(channel, message);
-    to_.send(destination, channel, std::move(message));
-  }
-  void onMessage(Channel channel, Handler handler) override { to_.onMessage(channel, std::move(handler)); }
-  void post(Task task) override { to_.post(std::move(task)); }
-  void postWaiting(Task task) override { to_.postWaiting(std::move(task)); }
-  Counters counters() const override { return to_.counters(); }
-
- private:
-  Transport& to_;
-  const Look look_;
-};
+Renderer::Options options() {
+  Renderer::Options options;
+  options.packetRays = 16;
+  options.ranksPerPart = 1;
+  return options;
+}
 
 // Renderers of a scene over taps.
+// Their pictures have a part on each rank.
 struct TappedRanks {
   TappedRanks(InProcessWorld& world, const std::vector<RankScene>& scenes, const Tap::Look& look) {
     for (size_t r = 0; r < scenes.size(); r++) {
       taps.push_back(std::make_unique<Tap>(world.rank(int(r)), look));
-      renderers.push_back(std::make_unique<Renderer>(*taps.back(), Renderer::Options{16, 1 << 20}));
+      renderers.push_back(std::make_unique<Renderer>(*taps.back(), options()));
       renderers.back()->addScene(1, scenes[r].compiled, scenes[r].device);
+      renderers.back()->onPicture([](FrameId, const FrameRequest&, const Picture&) {});
     }
   }
   std::vector<std::unique_ptr<Tap>> taps;
@@ -59,7 +49,7 @@ struct TappedRanks {
 std::map<Channel, std::vector<Bytes>> recorded(const TestScene& s, const Cut& cut) {
   std::map<Channel, std::vector<Bytes>> messages;
   InProcessWorld world(cut.ranks, 1);
-  const TappedRanks ranks(world, compiledOn(cut, s), [&](Channel channel, const Bytes& message) {
+  const TappedRanks ranks(world, compiledOn(cut, s), [&](int, Channel channel, const Bytes& message) {
     messages[channel].push_back(message);
   });
   ranks.renderers[0]->render(requestOf(s), {});
@@ -96,7 +86,10 @@ TEST(Malformed, MessagesAreRefusedAndHarmNothing) {
   size_t refused = 0;
   for (uint64_t seed = 1; seed <= 60; seed++) {
     Random random(seed);
-    Frames frames(3, {seed});
+    FrameRun run;
+    run.seed = seed;
+    run.options = options();
+    Frames frames(3, run);
     frames.add(1, compiled);
     frames.start(request);
     for (int i = 0; i < 40; i++) {
@@ -201,21 +194,27 @@ TEST(Malformed, MessagesOfItsOwnEndAFrame) {
   const TestScene s = scene();
   const Cut cut = lattice(s.domain, {2, 1, 1}, 2);
   const auto compiled = compiledOn(cut, s);
+  constexpr auto kContributions = std::byte(0), kParts = std::byte(1);
   struct Case {
     Channel channel;
-    size_t offset;  ///< of what is spoilt: the partition of rays, a contribution's pixel
+    std::optional<std::byte> kind;  ///< the first byte of the messages that are meant
+    size_t
+        offset;  ///< of what is spoilt: the partition of rays, a contribution's pixel, the number of a part
     const char* expected;
   };
-  for (const Case& c : {Case{Channel::Rays, 8, "partition 77 is not one that this rank shows"},
-                        Case{Channel::Contributions, 24, "a pixel lies outside the picture"}}) {
+  for (const Case& c :
+       {Case{Channel::Rays, {}, 8, "partition 77 is not one that this rank shows"},
+        Case{Channel::Contributions, kContributions, 25, "a pixel lies outside this rank's part"},
+        Case{Channel::Contributions, kParts, 9, "part 77 of a picture of 2 came, expected each"}}) {
     int sent = 0;
-    InProcessWorld::Options options;
+    InProcessWorld::Options worldOptions;
     std::vector<std::string> errors, endings;
-    options.onError = [&](int, const std::string& error) { errors.push_back(error); };
-    InProcessWorld world(cut.ranks, 1, std::move(options));
-    const TappedRanks ranks(world, compiled, [&](Channel channel, Bytes& message) {
-      const uint32_t wrong = channel == Channel::Rays ? 77 : 0xffffffff;
-      if (channel == c.channel && sent++ == 1) std::memcpy(&message[c.offset], &wrong, sizeof wrong);
+    worldOptions.onError = [&](int, const std::string& error) { errors.push_back(error); };
+    InProcessWorld world(cut.ranks, 1, std::move(worldOptions));
+    const TappedRanks ranks(world, compiled, [&](int, Channel channel, Bytes& message) {
+      const uint32_t wrong = c.kind == kContributions ? 0xffffffff : 77;
+      if (channel == c.channel && message[0] == c.kind.value_or(message[0]) && sent++ == 0)
+        std::memcpy(&message[c.offset], &wrong, sizeof wrong);
     });
     ranks.renderers[0]->render(
         requestOf(s), [&](FrameId, const Renderer::Ending& ending) { endings.push_back(ending.error); });
@@ -225,7 +224,7 @@ TEST(Malformed, MessagesOfItsOwnEndAFrame) {
     EXPECT_EQ(errors.size(), 1u);
     for (const auto& renderer : ranks.renderers) {
       const Renderer::ResourceCounts kept = renderer->kept();
-      EXPECT_EQ(kept.frames + kept.parkedMessages + kept.callbacks + kept.completionSets, 0u);
+      EXPECT_EQ(kept.frames + kept.parkedMessages + kept.callbacks + kept.completionSets + kept.pictures, 0u);
       EXPECT_EQ(kept.credits, 0);
     }
   }

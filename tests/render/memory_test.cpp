@@ -34,6 +34,7 @@ TEST(RendererMemory, OfFramesIsBackAtZeroOnceTheyAreOver) {
       run.seed = seed;
       run.options.raysInFlight = raysInFlight;
       run.options.ledger = &ledger;
+      run.options.ranksPerPart = 1 + int(seed % 4);
       Frames frames(cut.ranks, run);
       frames.add(1, compiled);
       for (int i = 0; i < 4; i++) frames.start(requestOf(scene));
