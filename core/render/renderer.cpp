@@ -3,10 +3,7 @@
 // rays, renderer_pictures.cpp what becomes of their pictures, and Flights what is the same for all items.
 #include "core/render/renderer.h"
 
-#include <algorithm>
-
 #include "core/comm/error.h"
-#include "core/comm/error_text.h"
 #include "core/comm/wire.h"
 #include "core/render/renderer_state.h"
 

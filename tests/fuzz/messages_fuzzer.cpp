@@ -35,7 +35,7 @@ struct Scene {
 /// Two ranks with a frame that has begun.
 class Ranks {
  public:
-  explicit Ranks(const Scene& s) : frames_(kRanks, {1, false, 1, {16, 1 << 20}}) {
+  explicit Ranks(const Scene& s) : frames_(kRanks, run()) {
     for (int r = 0; r < kRanks; r++) {
       Transport& transport = frames_.world().rank(r);
       collectives_.push_back(std::make_unique<Collective>(transport));
@@ -58,6 +58,13 @@ class Ranks {
   }
 
  private:
+  static test::FrameRun run() {
+    test::FrameRun run;
+    run.options.packetRays = 16;
+    run.options.ranksPerPart = 1;  // the picture's parts travel, too
+    return run;
+  }
+
   test::Frames frames_;
   std::vector<std::unique_ptr<Collective>> collectives_;
   std::vector<std::unique_ptr<Work>> works_;
