@@ -60,7 +60,9 @@ Bytes bytesOfPart(int part, const std::string& error) {
 Picture joined(const PictureParts& parts, bool sums, bool depth,
                std::span<const std::span<const std::byte>> messages) {
   const size_t pixels = parts.end(parts.count() - 1);
-  Picture whole{parts.size().x, parts.size().y};
+  Picture whole;
+  whole.width = parts.size().x;
+  whole.height = parts.size().y;
   if (sums)
     whole.sums.resize(4 * pixels);
   else
