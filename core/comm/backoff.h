@@ -7,35 +7,43 @@
 namespace gxy {
 
 /// The sleep is zero for a while after activity, then grows, and is longest after two seconds without activity.
+/// What comes to all ranks after a rest wakes one rank of a tree after the other, and each may still sleep for so
+/// long. But a poll costs some 25 microseconds of a processor. So the ranks of a node together poll a thousand times a
+/// second at rest: that costs the same however many they are, and ranks that have a node each wake soonest.
 class Backoff {
  public:
   using Clock = std::chrono::steady_clock;
   using Microseconds = std::chrono::microseconds;
   static constexpr Microseconds hot{80}, hotInTransfer{20'000}, firstSleep{20}, maxSleep{4000},
-      restSleep{16'000}, restAfter{2'000'000};
+      restSleepOfEach{1000}, maxRestSleep{16'000}, restAfter{2'000'000};
 
   /// Without `spins` the thread never polls without a sleep, not even in a transfer: other threads need the core.
-  explicit Backoff(bool spins) : spins_(spins) {}
+  /// A rank alone hears from nobody, and may sleep for long.
+  Backoff(bool spins, int ranks, int ranksOnNode)
+      : spins_(spins),
+        restSleep_(ranks == 1 ? maxRestSleep
+                              : std::min<Microseconds>(restSleepOfEach * ranksOnNode, maxRestSleep)) {}
 
   void active() {
     sleep_ = firstSleep;
     lastActive_ = Clock::now();
   }
 
-  /// Returns how long to sleep now. Each call without activity in between returns a longer sleep, up to
-  /// maxSleep; after restAfter it is restSleep. Data move only while MPI is called, so sleeps stay short
+  /// Returns how long to sleep now. Each call without activity in between returns a longer sleep, up to that of a
+  /// rest, but before restAfter not more than maxSleep. Data move only while MPI is called, so sleeps stay short
   /// during a transfer.
   Microseconds next(bool inTransfer) {
     const auto quiet = Clock::now() - lastActive_;
     if (spins_ && quiet < (inTransfer ? hotInTransfer : hot)) return {};
     const auto sleep = sleep_;
-    sleep_ = inTransfer ? firstSleep
-                        : std::min<Microseconds>(sleep * 5 / 4, quiet < restAfter ? maxSleep : restSleep);
+    const auto longest = quiet < restAfter ? std::min(maxSleep, restSleep_) : restSleep_;
+    sleep_ = inTransfer ? firstSleep : std::min<Microseconds>(sleep * 5 / 4, longest);
     return sleep;
   }
 
  private:
   const bool spins_;
+  const Microseconds restSleep_;
   Microseconds sleep_ = firstSleep;
   Clock::time_point lastActive_{};
 };

@@ -88,7 +88,7 @@ class MpiTransport::Progress {
         threads_(options_.threads > 0 ? options_.threads : std::max(1, cores() / node_.ranks)),
         sender_(communicator_, size_, {options_.packetBytes, options_.chunkBytes}),
         receiver_(communicator_, {options_.packetBytes, options_.chunkBytes}),
-        backoff_(node_.ranks * (threads_ + 1) <= cores()) {
+        backoff_(node_.ranks * (threads_ + 1) <= cores(), size_, node_.ranks) {
     // oneTBB makes one thread fewer than it is allowed, because it expects the caller to join. No caller
     // joins here.
     if (threads_ >= cores())

@@ -144,6 +144,7 @@ void expectOnlyThatFrameFails(const Faults& faults, const std::string& error, bo
     FrameRun run;
     run.seed = seed;
     run.options.packetRays = 64;
+    run.options.ranksPerPart = seed == 1 ? 1 : kRanks;
     Frames frames(kRanks, run);
     frames.add(1, good);
     frames.add(2, bad);
@@ -162,7 +163,7 @@ void expectOnlyThatFrameFails(const Faults& faults, const std::string& error, bo
     }
     for (int r = 0; r < kRanks; r++) {
       const Renderer::ResourceCounts kept = frames.renderer(r).kept();
-      EXPECT_EQ(kept.frames + kept.parkedMessages + kept.callbacks + kept.completionSets, 0u);
+      EXPECT_EQ(kept.frames + kept.parkedMessages + kept.callbacks + kept.completionSets + kept.pictures, 0u);
       EXPECT_EQ(kept.credits, 0);
     }
   }
