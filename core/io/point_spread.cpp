@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
+#include <functional>
+#include <span>
 
 namespace gxy {
 namespace {
@@ -44,17 +45,10 @@ void count(const LoadedGeometry& loaded, Collectives& ranks, Axes& axes) {
   for (size_t p = 0; p < block.ids.size(); p++)
     for (const uint32_t point : primitivePoints(block, loaded.geometry.kind, p))
       for (size_t a = 0; a < 3; a++) axes[a].add(block.points[point][int(a)]);
-  constexpr size_t kEach = sizeof(Counts::bins);
-  Bytes mine(3 * kEach);
-  for (size_t a = 0; a < 3; a++) std::memcpy(mine.data() + a * kEach, axes[a].bins.data(), kEach);
-  for (Counts& c : axes) c.bins.fill(0);
-  for (const Bytes& theirs : ranks.allGather(std::move(mine)))
-    for (size_t a = 0; a < 3; a++)
-      for (size_t b = 0; b < kBins + 2; b++) {
-        uint64_t n = 0;
-        std::memcpy(&n, theirs.data() + a * kEach + b * sizeof n, sizeof n);
-        axes[a].bins[b] += n;
-      }
+  reduceValues(ranks, std::span<Counts>(axes), [](Counts a, const Counts& b) {
+    std::ranges::transform(a.bins, b.bins, a.bins.begin(), std::plus<>());
+    return a;
+  });
 }
 
 }  // namespace
