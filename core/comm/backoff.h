@@ -8,8 +8,9 @@ namespace gxy {
 
 /// The sleep is zero for a while after activity, then grows, and is longest after two seconds without activity.
 /// What comes to all ranks after a rest wakes one rank of a tree after the other, and each may still sleep for so
-/// long. But a poll costs some 25 microseconds of a processor. So the ranks of a node together poll a thousand times a
-/// second at rest: that costs the same however many they are, and ranks that have a node each wake soonest.
+/// long. But a poll takes up to 25 microseconds of a processor. So of ranks on many nodes those of each node
+/// together poll a thousand times a second at rest, however many they are. Ranks that are all on one node, such as a
+/// laptop, are few, and rest longer.
 class Backoff {
  public:
   using Clock = std::chrono::steady_clock;
@@ -18,11 +19,11 @@ class Backoff {
       restSleepOfEach{1000}, maxRestSleep{16'000}, restAfter{2'000'000};
 
   /// Without `spins` the thread never polls without a sleep, not even in a transfer: other threads need the core.
-  /// A rank alone hears from nobody, and may sleep for long.
   Backoff(bool spins, int ranks, int ranksOnNode)
       : spins_(spins),
-        restSleep_(ranks == 1 ? maxRestSleep
-                              : std::min<Microseconds>(restSleepOfEach * ranksOnNode, maxRestSleep)) {}
+        restSleep_(ranksOnNode == ranks
+                       ? maxRestSleep
+                       : std::min<Microseconds>(restSleepOfEach * ranksOnNode, maxRestSleep)) {}
 
   void active() {
     sleep_ = firstSleep;

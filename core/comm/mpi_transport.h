@@ -13,9 +13,9 @@ namespace gxy {
 
 /// Only the rank's progress thread calls MPI, on a communicator of Galaxy's own. Messages that are sent while
 /// it works are coalesced, per destination, into packets; larger ones stream from the sender's memory into
-/// the receiver's. Without traffic the thread sleeps up to 4 ms at a time, and after two quiet seconds 1 ms for
-/// each rank of the node, up to 16 ms, but wakes at once when this rank sends something. After traffic it polls
-/// without sleeping for a moment, unless the node has fewer cores than threads.
+/// the receiver's. Without traffic the thread sleeps up to 4 ms at a time, and after two quiet seconds 16 ms, or
+/// less where ranks are on several nodes (backoff.h), but wakes at once when this rank sends something. After
+/// traffic it polls without sleeping for a moment, unless the node has fewer cores than threads.
 ///
 /// Construction and destruction are collective. The destructor returns when all ranks are in their
 /// destructors, all messages have been delivered and all tasks have run, including those sent or posted
