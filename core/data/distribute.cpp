@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/comm/wire.h"
+#include "core/data/block_arrays.h"
 #include "core/data/geometry_bytes.h"
 #include "core/data/joined.h"
 
@@ -49,22 +50,13 @@ class Portions {
     if (last == ofRank_.ids.size()) points = ofRank_.points.size();
     GeometryBlock part;
     part.fields = emptyLike(ofRank_.fields);
-    const auto copy = [](const auto& from, auto& to, size_t begin, size_t end) {
-      if (!from.empty()) to.assign(from.begin() + std::ptrdiff_t(begin), from.begin() + std::ptrdiff_t(end));
+    const auto copy = [&](auto of, size_t begin, size_t end) {
+      const auto& from = of(std::as_const(ofRank_));
+      if (!from.empty())
+        of(part).assign(from.begin() + std::ptrdiff_t(begin), from.begin() + std::ptrdiff_t(end));
     };
-    for (size_t f = 0; f < part.fields.size(); f++) {
-      const size_t each = size_t(part.fields[f].components);
-      copy(ofRank_.fields[f].values, part.fields[f].values, points_ * each, points * each);
-    }
-    copy(ofRank_.points, part.points, points_, points);
-    copy(ofRank_.normals, part.normals, points_, points);
-    copy(ofRank_.values, part.values, points_, points);
-    copy(ofRank_.colors, part.colors, points_, points);
-    copy(ofRank_.radiusValues, part.radiusValues, points_, points);
-    copy(ofRank_.triangles, part.triangles, first_, last);
-    copy(ofRank_.segments, part.segments, first_, last);
-    copy(ofRank_.neighbours, part.neighbours, first_, last);
-    copy(ofRank_.ids, part.ids, first_, last);
+    forPointArrays(part.fields, [&](auto of, size_t each) { copy(of, points_ * each, points * each); });
+    forPrimitiveArrays([&](auto of) { copy(of, first_, last); });
     first_ = last, points_ = points;
     return part;
   }

@@ -11,6 +11,8 @@
 #include <unordered_map>
 
 #include "core/comm/error.h"
+#include "core/comm/parallel_for.h"
+#include "core/data/block_arrays.h"
 #include "core/data/geometry_bytes.h"
 #include "core/data/joined.h"
 
@@ -36,22 +38,18 @@ const char* nameOf(GeometryKind kind) {
 }
 
 void appendPoint(GeometryBlock& to, const GeometryBlock& from, uint32_t point) {
-  to.points.push_back(from.points[point]);
-  if (!from.normals.empty()) to.normals.push_back(from.normals[point]);
-  if (!from.values.empty()) to.values.push_back(from.values[point]);
-  if (!from.colors.empty()) to.colors.push_back(from.colors[point]);
-  if (!from.radiusValues.empty()) to.radiusValues.push_back(from.radiusValues[point]);
-  appendFields(to.fields, from.fields, point);
+  forPointArrays(from.fields, [&](auto of, size_t each) {
+    const auto& array = of(from);
+    if (array.empty()) return;
+    for (size_t i = point * each; i < (point + 1) * each; ++i) of(to).push_back(array[i]);
+  });
 }
 
 /// Makes room for so many points with the attributes of `like`.
 void reservePoints(GeometryBlock& block, const GeometryBlock& like, size_t points) {
-  block.points.reserve(points);
-  if (!like.normals.empty()) block.normals.reserve(points);
-  if (!like.values.empty()) block.values.reserve(points);
-  if (!like.colors.empty()) block.colors.reserve(points);
-  if (!like.radiusValues.empty()) block.radiusValues.reserve(points);
-  for (PointField& f : block.fields) f.values.reserve(points * size_t(f.components));
+  forPointArrays(like.fields, [&](auto of, size_t each) {
+    if (!of(like).empty()) of(block).reserve(points * each);
+  });
 }
 
 void reservePrimitives(GeometryBlock& block, GeometryKind kind, size_t primitives) {

@@ -4,18 +4,18 @@
 #include <cstdint>
 
 #include "core/comm/wire.h"
+#include "core/data/block_arrays.h"
 #include "core/data/geometry.h"
 
 namespace gxy {
 
 /// Returns the memory of the arrays of a block, in bytes.
-inline int64_t bytesOf(const GeometryBlock& b) {
-  const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
-  size_t fields = 0;
-  for (const PointField& f : b.fields) fields += bytes(f.values);
-  return int64_t(fields + bytes(b.points) + bytes(b.normals) + bytes(b.values) + bytes(b.colors) +
-                 bytes(b.radiusValues) + bytes(b.triangles) + bytes(b.segments) + bytes(b.neighbours) +
-                 bytes(b.ids));
+inline int64_t bytesOf(const GeometryBlock& block) {
+  int64_t sum = 0;
+  const auto add = [&](auto of) { sum += int64_t(of(block).size() * sizeof(of(block)[0])); };
+  forPointArrays(block.fields, [&](auto of, size_t) { add(of); });
+  forPrimitiveArrays(add);
+  return sum;
 }
 
 /// Appends a block to a message.

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/comm/error.h"
+#include "core/data/block_arrays.h"
 
 namespace gxy {
 namespace {
@@ -20,16 +21,16 @@ const char* pluralOf(GeometryKind kind) {
 
 using Parts = std::vector<GeometryBlock>;
 
-/// Joins the array that arrayOf(part) is of each part.
-template <class ArrayOf>
-auto joinedArray(Parts& parts, ArrayOf arrayOf) {
-  std::remove_reference_t<decltype(arrayOf(parts[0]))> all;
+/// Joins the array that of(part) is of each part.
+template <class Of>
+auto joinedArray(Parts& parts, Of of) {
+  std::remove_reference_t<decltype(of(parts[0]))> all;
   size_t count = 0;
-  for (GeometryBlock& part : parts) count += arrayOf(part).size();
+  for (GeometryBlock& part : parts) count += of(part).size();
   all.reserve(count);
   for (GeometryBlock& part : parts) {
-    all.insert(all.end(), arrayOf(part).begin(), arrayOf(part).end());
-    arrayOf(part) = {};
+    all.insert(all.end(), of(part).begin(), of(part).end());
+    of(part) = {};
   }
   return all;
 }
@@ -54,7 +55,9 @@ void checkAlike(GeometryKind kind, const Parts& parts) {
     }
   }
   if (points >= kMostPoints)
-    throw Error(std::string(pluralOf(kind)) + "a partition has 2^32 - 1 points or more, expected fewer");
+    throw Error(std::string(pluralOf(kind)) + "a partition has " + std::to_string(points) +
+                " points, counting those that several messages have each time, expected fewer than 2^32 - 1; "
+                "use more partitions");
 }
 
 /// Makes the indices of each part those of the points of all parts.
@@ -82,27 +85,8 @@ GeometryBlock joined(GeometryKind kind, Parts parts, Indices indices) {
   if (parts.empty()) return all;
   if (indices == Indices::OfPart) shiftIndices(parts);
   all.fields = emptyLike(parts[0].fields);
-  for (size_t f = 0; f < all.fields.size(); f++)
-    all.fields[f].values = joinedArray(
-        parts, [f](GeometryBlock & b) -> auto& { return b.fields[f].values; });
-  all.points = joinedArray(
-      parts, [](GeometryBlock & b) -> auto& { return b.points; });
-  all.normals = joinedArray(
-      parts, [](GeometryBlock & b) -> auto& { return b.normals; });
-  all.values = joinedArray(
-      parts, [](GeometryBlock & b) -> auto& { return b.values; });
-  all.colors = joinedArray(
-      parts, [](GeometryBlock & b) -> auto& { return b.colors; });
-  all.radiusValues = joinedArray(
-      parts, [](GeometryBlock & b) -> auto& { return b.radiusValues; });
-  all.triangles = joinedArray(
-      parts, [](GeometryBlock & b) -> auto& { return b.triangles; });
-  all.segments = joinedArray(
-      parts, [](GeometryBlock & b) -> auto& { return b.segments; });
-  all.neighbours = joinedArray(
-      parts, [](GeometryBlock & b) -> auto& { return b.neighbours; });
-  all.ids = joinedArray(
-      parts, [](GeometryBlock & b) -> auto& { return b.ids; });
+  forPointArrays(all.fields, [&](auto of, size_t) { of(all) = joinedArray(parts, of); });
+  forPrimitiveArrays([&](auto of) { of(all) = joinedArray(parts, of); });
   return all;
 }
 
@@ -111,7 +95,8 @@ void sortById(GeometryBlock& block) {
   std::vector<uint32_t> order(block.ids.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return block.ids[a] < block.ids[b]; });
-  const auto apply = [&](auto& array, size_t each) {
+  const auto apply = [&](auto of, size_t each) {
+    auto& array = of(block);
     if (array.empty()) return;
     std::remove_reference_t<decltype(array)> sorted;
     sorted.reserve(array.size());
@@ -120,13 +105,9 @@ void sortById(GeometryBlock& block) {
                     array.begin() + std::ptrdiff_t((i + 1) * each));
     array = std::move(sorted);
   };
-  apply(block.points, 1);
-  apply(block.normals, 1);
-  apply(block.values, 1);
-  apply(block.colors, 1);
-  apply(block.radiusValues, 1);
-  for (PointField& field : block.fields) apply(field.values, size_t(field.components));
-  apply(block.ids, 1);
+  forPointArrays(block.fields, apply);
+  apply(
+      [](auto& particles) -> auto& { return particles.ids; }, 1);
 }
 
 }  // namespace gxy
