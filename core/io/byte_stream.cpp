@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <string_view>
 #include <vector>
 
 #include "core/comm/error.h"
+#include "core/comm/parallel_for.h"
 #include "core/io/lz4_block.h"
 
 namespace gxy {
@@ -255,6 +257,43 @@ ByteStreamPtr fileBytes(std::shared_ptr<const File> file, int64_t offset, int64_
 }
 
 ByteStreamPtr decodedBase64(ByteStreamPtr text) { return std::make_unique<Base64Bytes>(std::move(text)); }
+
+size_t readBlocks(const BlockedBytes& bytes, int64_t first, std::span<std::byte> out) {
+  constexpr size_t kTogether = size_t(8) << 20;  // bytes between two questions of ReadWatch
+  const auto each = size_t(bytes.blockBytes());
+  for (size_t at = 0; at < out.size();) {
+    const size_t some = std::min(std::max(kTogether / each, size_t(1)) * each, out.size() - at);
+    const size_t blocks = (some + each - 1) / each;
+    std::vector<size_t> decoded(blocks);
+    std::vector<std::exception_ptr> errors(blocks);
+    const auto decode = [&](size_t i) {
+      const std::span block = out.subspan(at + i * each, std::min(each, some - i * each));
+      try {
+        decoded[i] = bytes.open(first + int64_t(at / each + i))->read(block);
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
+    };
+    // The very first block comes before the others, so that what the bytes prepare when they are opened for the first time,
+    // which may take all cores, does not begin inside the loop.
+    const size_t alone = at == 0 ? 1 : 0;
+    if (alone)
+      decode(0);
+    else
+      ReadWatch::check();
+    if (errors[0]) std::rethrow_exception(errors[0]);
+    parallelFor(alone, blocks, [&](size_t i) {
+      const ReadWatch none([] {});
+      decode(i);
+    });
+    for (size_t i = 0; i < blocks; i++) {
+      if (errors[i]) std::rethrow_exception(errors[i]);
+      at += decoded[i];
+      if (decoded[i] < std::min(each, some - i * each)) return at;
+    }
+  }
+  return out.size();
+}
 
 ByteStreamPtr decompressed(ByteStreamPtr bytes, Compression compression, const std::string& where) {
   switch (compression) {

@@ -44,6 +44,11 @@ class BlockedBytes {
   virtual ByteStreamPtr open(int64_t block) const = 0;
 };
 
+/// Decodes the blocks from number `first` on, on all cores, until `out` is full. Returns the number of bytes before the first
+/// block that ends too early; the size of `out` if none does. If blocks cannot be decoded, it throws what the first of them
+/// throws, whichever comes to be decoded first.
+size_t readBlocks(const BlockedBytes& bytes, int64_t first, std::span<std::byte> out);
+
 /// The `bytes` bytes of a file from `offset` on, compressed as one block. The result has `decoded` bytes of
 /// the decompressed ones, after the first `passed`.
 std::shared_ptr<const BlockedBytes> oneBlock(std::shared_ptr<const File> file, int64_t offset, int64_t bytes,

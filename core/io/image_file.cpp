@@ -72,7 +72,7 @@ std::shared_ptr<const SampleSource> samplesOfHeader(const ImageHeader& h, const 
   const int64_t bytes = extent.count() * int64_t(bytesOf(h.type)) * h.components;
   if (h.text)
     return std::make_shared<StreamedSamples>(
-        textBlock(file, std::max<int64_t>(h.offset, 0), h.type, bytes, path), extent, h.type, h.components,
+        textBlocks(file, std::max<int64_t>(h.offset, 0), h.type, bytes, path), extent, h.type, h.components,
         false, path, decoded);
   if (h.compression == Compression::None)
     return std::make_shared<RawSamples>(

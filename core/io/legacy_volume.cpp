@@ -297,8 +297,9 @@ class LegacyImage {
     const ScalarType type = colours ? ScalarType::Float32 : array.type;
     const int64_t bytes = extent.count() * int64_t(bytesOf(type)) * array.components;
     const std::string where = image_.path + ": array '" + array.name + "'";
-    auto samples = std::make_shared<StreamedSamples>(textBlock(file_, places_[i], type, bytes, where), extent,
-                                                     type, array.components, false, where, image_.decoded);
+    auto samples =
+        std::make_shared<StreamedSamples>(textBlocks(file_, places_[i], type, bytes, where), extent, type,
+                                          array.components, false, where, image_.decoded);
     if (colours) return std::make_shared<ColourFractions>(std::move(samples), array.components);
     return samples;
   }

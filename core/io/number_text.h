@@ -9,15 +9,12 @@
 
 namespace gxy {
 
-/// Converts the numbers of a text, up to its end or a '<', to values of `type` in this machine's byte order.
-/// Numbers are separated by white space; "nan" and "inf" in any letter case are numbers. The size passed to
-/// read() must be a multiple of a value's size. read() throws Error, which begins with `where`, for a word
-/// that is not a number.
-ByteStreamPtr numbersOfText(ByteStreamPtr text, ScalarType type, const std::string& where);
-
-/// The same for text in a file from `position` on, as one block of `bytes` bytes of values.
-std::shared_ptr<const BlockedBytes> textBlock(std::shared_ptr<const File> file, int64_t position,
-                                              ScalarType type, int64_t bytes, const std::string& where);
+/// The numbers of a text in a file from `position` on, up to its end or a '<', as `bytes` bytes of values of `type` in this
+/// machine's byte order, in blocks of 65536 values. Numbers are separated by white space; "nan" and "inf" in any letter case are
+/// numbers. Where the blocks begin is found, on all cores, when one is opened for the first time. A block's read() takes whole
+/// values only, and throws Error, which begins with `where`, for a word that is not a number.
+std::shared_ptr<const BlockedBytes> textBlocks(std::shared_ptr<const File> file, int64_t position,
+                                               ScalarType type, int64_t bytes, const std::string& where);
 
 /// Returns the number that the whole text is; nothing if it is not a number.
 std::optional<double> valueOfText(std::string_view text);

@@ -37,6 +37,8 @@
 #include "core/io/stl_reader.h"
 #include "core/io/volume_file.h"
 #include "core/io/vtk_messages.h"
+#include "core/io/vtk_scalars.h"
+#include "core/io/vtk_xml_array.h"
 #include "core/io/xml_arrays.h"
 
 namespace gxy {
@@ -97,10 +99,6 @@ class WatchedProgress : public vtkCommand {
 template <class Reader>
 vtkSmartPointer<vtkPointSet> outputOf(Reader* reader, const std::string& path, const VtkMessages& messages,
                                       const TakeMemory& toTake) {
-  const auto progress = vtkSmartPointer<WatchedProgress>::New();
-  reader->AddObserver(vtkCommand::ProgressEvent, progress);
-  reader->Update();
-  progress->rethrow();
   messages.check(path);
   const auto output = reader->GetOutputDataObject(0);
   if (const auto grid = vtkRectilinearGrid::SafeDownCast(output)) return withPoints(grid, path, toTake);
@@ -109,44 +107,82 @@ vtkSmartPointer<vtkPointSet> outputOf(Reader* reader, const std::string& path, c
   return points;
 }
 
-/// Returns the text of a file with a space inserted before each end tag of an array (see VtkXml::checkText()).
-std::string withSpacesAtTags(const File& file) {
-  std::string text(size_t(file.size()), '\0'), spaced;
-  file.readAt(0, std::as_writable_bytes(std::span(text)));
-  constexpr std::string_view kTag = "</DataArray>";
-  for (size_t at = 0; at < text.size();) {
-    const size_t tag = std::min(text.find(kTag, at), text.size());
-    spaced.append(text, at, tag - at);
-    if (tag < text.size()) spaced.append(" ").append(kTag);
-    at = tag + kTag.size();
-  }
-  return spaced;
+template <class Reader>
+void update(Reader* reader) {
+  const auto progress = vtkSmartPointer<WatchedProgress>::New();
+  reader->AddObserver(vtkCommand::ProgressEvent, progress);
+  reader->Update();
+  progress->rethrow();
 }
+
+/// VTK's reader of a kind of dataset in XML. What takes long is done here instead: the file has been parsed already, and arrays
+/// are read by readXmlArray(). Field data, which are not used and whose sizes are not checked, are not read.
+template <class Reader>
+class XmlReader final : public Reader {
+ public:
+  static XmlReader* New() { VTK_STANDARD_NEW_BODY(XmlReader); }
+
+  /// `xml` must be there until the last update.
+  void setXml(const VtkXml& xml) {
+    xml_ = &xml;
+    this->SetFileName(xml.file()->opened().c_str());
+  }
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ protected:
+  void CreateXMLParser() override {
+    this->XMLParser = xml_->parser();
+    this->XMLParser->Register(nullptr);
+  }
+
+  int ReadPrimaryElement(vtkXMLDataElement* primary) override {
+    const int read = Reader::ReadPrimaryElement(primary);
+    this->FieldDataElement = nullptr;
+    return read;
+  }
+
+  /// Fills `count` values of `array` from number `at` on with those of an element from number `from` on.
+  int ReadArrayValues(vtkXMLDataElement* element, vtkIdType at, vtkAbstractArray* array, vtkIdType from,
+                      vtkIdType count, typename Reader::FieldType of) override {
+    const auto type = scalarOfXmlWord(attribute(element, "type"));
+    // Bits, and pieces whose types differ, are left to VTK.
+    if (!type || int(bytesOf(*type)) != array->GetDataTypeSize() || from != 0)
+      return Reader::ReadArrayValues(element, at, array, from, count, of);
+    if (thrown_) return 0;
+    try {
+      const auto values = static_cast<std::byte*>(array->GetVoidPointer(at));
+      array->Modified();
+      return readXmlArray(*xml_, element, *type, {values, size_t(count) * bytesOf(*type)});
+    } catch (...) {  // No exception may pass through VTK.
+      thrown_ = std::current_exception();
+      return 0;
+    }
+  }
+
+ private:
+  const VtkXml* xml_ = nullptr;
+  std::exception_ptr thrown_;
+};
 
 template <class Reader>
 vtkSmartPointer<vtkPointSet> readXml(const std::string& path, const char* type, const TakeMemory& toTake,
                                      const VtkMessages& messages, const std::optional<ArraysNeeded>& needed,
                                      LeftOut* leftOut) {
-  const auto reader = vtkSmartPointer<WithoutFieldData<Reader>>::New();
-  std::shared_ptr<const File> file;
-  {
-    const VtkXml xml(path, type);
-    const XmlArrays arrays(xml, needed);
-    if (toTake) toTake(std::max(arrays.bytes(), xml.file()->size()));
-    if (leftOut) *leftOut += arrays.leftOut();
-    file = xml.file();
-    reader->SetFileName(file->opened().c_str());
-    if (arrays.needsSpaces()) {
-      if (toTake) toTake(2 * file->size());
-      reader->SetInputString(withSpacesAtTags(*file));
-      reader->ReadFromInputStringOn();
-    }
-    reader->UpdateInformation();
-    for (const std::string& name : arrays.pointArraysToPassOver())
-      reader->GetPointDataArraySelection()->DisableArray(name.c_str());
-    for (const std::string& name : arrays.cellArraysToPassOver())
-      reader->GetCellDataArraySelection()->DisableArray(name.c_str());
-  }
+  const VtkXml xml(path, type);
+  const XmlArrays arrays(xml, needed);
+  if (toTake) toTake(std::max(arrays.bytes(), xml.file()->size()));
+  if (leftOut) *leftOut += arrays.leftOut();
+  const auto reader = vtkSmartPointer<XmlReader<Reader>>::New();
+  reader->setXml(xml);
+  reader->UpdateInformation();
+  for (const std::string& name : arrays.pointArraysToPassOver())
+    reader->GetPointDataArraySelection()->DisableArray(name.c_str());
+  for (const std::string& name : arrays.cellArraysToPassOver())
+    reader->GetCellDataArraySelection()->DisableArray(name.c_str());
+  update(reader.Get());
+  reader->rethrow();
   return outputOf(reader.Get(), path, messages, toTake);
 }
 
@@ -169,6 +205,7 @@ vtkSmartPointer<vtkPointSet> readLegacy(const std::string& path, const TakeMemor
   reader->ReadAllVectorsOn();
   reader->ReadAllNormalsOn();
   reader->ReadAllFieldsOn();
+  update(reader.Get());
   return outputOf(reader.Get(), path, messages, toTake);
 }
 

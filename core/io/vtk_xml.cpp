@@ -7,7 +7,6 @@
 #include <array>
 #include <bit>
 #include <charconv>
-#include <cmath>
 #include <cstring>
 #include <exception>
 #include <fstream>
@@ -36,6 +35,13 @@ constexpr size_t kMostElements = size_t(1) << 16, kDeepest = 64;
 class Parser final : public vtkXMLDataParser {
  public:
   static Parser* New() { VTK_STANDARD_NEW_BODY(Parser); }
+
+  using vtkXMLDataParser::Parse;
+  /// Parses once, however often a reader that has been given the parser wants it.
+  int Parse() override {
+    if (!result_) result_ = vtkXMLDataParser::Parse();
+    return *result_;
+  }
 
   /// Throws the exception that ended the parsing, if any.
   void rethrow() const {
@@ -99,6 +105,12 @@ class Parser final : public vtkXMLDataParser {
     else
       vtkXMLDataParser::EndElement(name);
   }
+  /// Keeps the text of elements other than arrays, which are read from the file.
+  void CharacterDataHandler(const char* data, int length) override {
+    if (NumberOfOpenElements > 0 &&
+        std::strcmp(OpenElements[NumberOfOpenElements - 1]->GetName(), "DataArray") != 0)
+      vtkXMLDataParser::CharacterDataHandler(data, length);
+  }
   int ParseBuffer(const char* buffer, unsigned int count) override {
     constexpr uint64_t kWatched = uint64_t(1) << 20;
     const uint64_t before = std::exchange(parsed_, parsed_ + count);
@@ -121,6 +133,7 @@ class Parser final : public vtkXMLDataParser {
     pieces_.push_back(std::move(source));
   }
 
+  std::optional<int> result_;
   size_t elements_ = 0, deepest_ = 0, inPiece_ = 0;
   bool listsPieces_ = false;
   std::vector<std::string> pieces_;
@@ -139,54 +152,6 @@ int64_t endOfText(vtkXMLDataElement* array, int64_t fileBytes) {
 
 /// VTK's parser needs 24 bytes of memory for each block. Writers make blocks of some kilobytes.
 constexpr uint64_t kSmallestBlock = 64;
-
-/// Reads the text of an element piece by piece.
-class ElementText {
- public:
-  ElementText(const File& file, int64_t begin) : file_(file), next_(begin) {
-    char quote = 0;  // the quote of the attribute that the position is in
-    for (int c = get(); c >= 0 && (quote || c != '>'); c = get()) {
-      if (c == quote)
-        quote = 0;
-      else if (!quote && (c == '"' || c == '\''))
-        quote = char(c);
-    }
-  }
-
-  /// Returns the next word before the next tag; empty at the end.
-  std::string_view word() {
-    word_.clear();
-    if (tag_) return word_;
-    int c = get();
-    while (isSpace(c)) c = get();
-    for (; c >= 0 && c != '<' && !isSpace(c); c = get())
-      if (word_.size() < kLongest) word_ += char(c);
-    tag_ = c < 0 || c == '<';
-    return word_;
-  }
-  bool atTag() const { return tag_; }
-
- private:
-  static constexpr size_t kLongest = 400;
-  static bool isSpace(int c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
-
-  int get() {
-    if (at_ == bytes_.size()) {
-      bytes_.resize(size_t(std::min(file_.size() - next_, int64_t(1) << 16)));
-      if (bytes_.empty()) return -1;
-      file_.readAt(next_, std::as_writable_bytes(std::span(bytes_)));
-      next_ += int64_t(bytes_.size());
-      at_ = 0;
-    }
-    return static_cast<unsigned char>(bytes_[at_++]);
-  }
-
-  const File& file_;
-  int64_t next_;
-  std::string bytes_, word_;
-  size_t at_ = 0;
-  bool tag_ = false;
-};
 
 Parser& of(vtkXMLDataParser* parser) { return static_cast<Parser&>(*parser); }
 
@@ -295,23 +260,6 @@ int64_t VtkXml::statedBytes(vtkXMLDataElement* array, int64_t tuples) const {
     fail(array, "has too many values: " + std::to_string(tuples) + " entries of " +
                     std::to_string(components) + " components");
   return type ? bytes : bytes / 8 + (bytes % 8 > 0);
-}
-
-bool VtkXml::checkText(vtkXMLDataElement* array) const {
-  if (!isText(array)) return false;
-  ElementText text(*file_, array->GetXMLByteIndex());
-  bool finite = true, cut = false;
-  for (std::string_view word = text.word(); !word.empty(); word = text.word()) {
-    std::string_view digits = word;
-    if (digits.starts_with('+')) digits.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error == std::errc::invalid_argument || end != digits.data() + digits.size())
-      fail(array, "holds '" + std::string(word.substr(0, 40)) + "', expected a number");
-    finite = error != std::errc() || std::isfinite(value);
-    cut = text.atTag();
-  }
-  return cut && !finite;
 }
 
 void VtkXml::checkFileHolds(vtkXMLDataElement* array, int64_t bytes) const {

@@ -38,6 +38,7 @@ class VtkXml {
   const std::string& path() const { return file_->path(); }
   /// The parsed file, for a reader that must read the same file even if another one has its path by then.
   const std::shared_ptr<const File>& file() const { return file_; }
+  /// For a VTK reader of the file. It does not parse again.
   vtkXMLDataParser* parser() const { return parser_; }
   vtkXMLDataElement* root() const { return parser_->GetRootElement(); }
   vtkXMLDataElement* data() const { return data_; }  ///< the element with the name of the type
@@ -61,10 +62,6 @@ class VtkXml {
   void checkCompressed(vtkXMLDataElement* array, int64_t bytes) const;
   /// Throws Error if the array is not compressed and the file is too short for its `bytes` bytes.
   void checkFileHolds(vtkXMLDataElement* array, int64_t bytes) const;
-  /// Throws Error if a word of an array in text form is not a number; VTK's reader takes 1.0-101 for two
-  /// numbers. Returns whether the text ends with NaN or infinity directly before its end tag: VTK's reader
-  /// does not read these there, so a space must be inserted.
-  bool checkText(vtkXMLDataElement* array) const;
 
  private:
   [[noreturn]] void fail(vtkXMLDataElement* array, const std::string& what) const;
@@ -73,20 +70,6 @@ class VtkXml {
   std::unique_ptr<std::istream> stream_;
   vtkSmartPointer<vtkXMLDataParser> parser_;
   vtkXMLDataElement* data_ = nullptr;
-};
-
-/// VTK's reader of a kind of dataset without field data, which are not used and whose sizes are not checked.
-template <class Reader>
-class WithoutFieldData final : public Reader {
- public:
-  static WithoutFieldData* New() { VTK_STANDARD_NEW_BODY(WithoutFieldData); }
-
- protected:
-  int ReadPrimaryElement(vtkXMLDataElement* primary) override {
-    const int read = Reader::ReadPrimaryElement(primary);
-    this->FieldDataElement = nullptr;
-    return read;
-  }
 };
 
 }  // namespace gxy

@@ -148,7 +148,6 @@ void XmlArrays::addLattice(vtkXMLDataElement* piece) {
       const int64_t bytes = xml_.statedBytes(array, n[size_t(std::min(a, 2))]);
       xml_.checkFileHolds(array, bytes);
       xml_.checkCompressed(array, bytes);
-      needsSpaces_ |= xml_.checkText(array);
       add(bytes, 1);
     }
   }
@@ -171,7 +170,6 @@ void XmlArrays::addArrays(vtkXMLDataElement* group, int64_t tuples) {
     const int64_t bytes = xml_.statedBytes(array, tuples);
     xml_.checkFileHolds(array, bytes);
     xml_.checkCompressed(array, bytes);
-    needsSpaces_ |= xml_.checkText(array);
     add(bytes, 1);
   }
 }
@@ -182,7 +180,6 @@ void XmlArrays::addCells(vtkXMLDataElement* group, int64_t cells) {
     const std::string name = attribute(array, "Name");
     if (cells == 0 && name != "types") continue;  // VTK's readers skip these.
     int64_t bytes = 0;
-    needsSpaces_ |= xml_.checkText(array);
     if (name == "offsets" || name == "types" || name == "faceoffsets") {
       bytes = xml_.statedBytes(array, cells);
       xml_.checkFileHolds(array, bytes);

@@ -28,8 +28,6 @@ class XmlArrays {
   const std::set<std::string>& pointArraysToPassOver() const { return points_; }
   const std::set<std::string>& cellArraysToPassOver() const { return cells_; }
   const LeftOut& leftOut() const { return leftOut_; }
-  /// Whether VTK's reader needs a space before end tags: see VtkXml::checkText().
-  bool needsSpaces() const { return needsSpaces_; }
 
  private:
   bool isPassedOver(vtkXMLDataElement* array, bool ofCells) const;
@@ -45,7 +43,7 @@ class XmlArrays {
 
   const VtkXml& xml_;
   int64_t bytes_ = 0;
-  bool several_ = false, all_, needsSpaces_ = false;
+  bool several_ = false, all_;
   std::set<std::string> chosen_, chosenOfCells_;
   std::set<std::string> points_, cells_;
   LeftOut leftOut_;

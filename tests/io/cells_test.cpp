@@ -301,7 +301,8 @@ TEST_F(Cells, WordsOfXmlTextThatAreNoNumbersAreErrors) {
       read(triangle(array("a", "0 " + std::string(word) + " 1")), "g.vtp");
       ADD_FAILURE() << "no error: " << word;
     } catch (const Error& e) {
-      EXPECT_EQ(e.what(), (folder_ / "g.vtp") + ": array 'a' holds '" + word + "', expected a number");
+      EXPECT_EQ(e.what(), (folder_ / "g.vtp") + ": array 'a': found \"" + word +
+                              "\", expected a number of type float32");
     }
   }
   EXPECT_EQ(read(triangle(array("a", "+1 1e-3 -.5")), "g.vtp").block.values,

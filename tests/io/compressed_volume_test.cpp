@@ -12,6 +12,8 @@
 #include <vtkZLibDataCompressor.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 
 #include "core/io/byte_stream.h"
 #include "core/io/file.h"
@@ -190,7 +192,75 @@ TEST(CompressedVolume, TextMayEndWithANumberAndMayHoldNoNumber) {
   };
   EXPECT_EQ(errorOf("0 1 2 3 1.0-101 5 6 7"),
             "array 'p': found \"1.0-101\", expected a number of type float32");
-  EXPECT_EQ(errorOf("0 1 2"), "array 'p': the samples end before point 0, expected 8");
+  EXPECT_EQ(errorOf("0 1 2"), "array 'p': the samples end before point 3, expected 8");
+}
+
+/// A volume of text whose samples are many words of many lengths, here and there with much white space between them.
+struct ManyNumbers {
+  static constexpr Index3 kPoints{61, 59, 75};
+  std::vector<std::string> words;
+  std::vector<float> values;
+
+  ManyNumbers() {
+    for (int64_t i = 0; i < kPoints[0] * kPoints[1] * kPoints[2]; ++i) {
+      char word[32];
+      std::snprintf(word, sizeof word, "%.*g", int(i % 9) + 1, double(i % 5003) * 0.37 - 900);
+      words.push_back(word);
+      values.push_back(std::strtof(word, nullptr));
+    }
+  }
+  /// Writes the words up to number `end` and returns what is read of them.
+  std::vector<float> read(const std::string& path, size_t end) const {
+    std::string text = R"(<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian">
+<ImageData WholeExtent="0 60 0 58 0 74" Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 60 0 58 0 74"><PointData>
+<DataArray type="Float32" Name="p" format="ascii">)";
+    for (size_t i = 0; i < end; ++i) {
+      if (i > 0) text += i % 10 > 0 ? " " : "\n  ";
+      if (i % 100'000 == 99'999) text += std::string(150'000, ' ');
+      text += words[i];
+    }
+    writeText(path, text + "</DataArray></PointData></Piece></ImageData></VTKFile>");
+    std::vector<float> samples(values.size());
+    readVolume(openVolume(path), {{0, 0, 0}, kPoints}, std::as_writable_bytes(std::span(samples)));
+    return samples;
+  }
+  std::string errorOf(const std::string& path, size_t end) const {
+    try {
+      read(path, end);
+    } catch (const Error& e) {
+      return std::string(e.what()).substr(path.size() + 2);
+    }
+    return {};
+  }
+};
+
+TEST(CompressedVolume, NumbersOfTextAreTheSameWhereverItsBlocksBegin) {
+  const TemporaryFolder folder;
+  const ManyNumbers numbers;
+  EXPECT_EQ(numbers.read(folder / "v.vti", numbers.words.size()), numbers.values);
+}
+
+TEST(CompressedVolume, OfWordsOfTextThatAreNoNumbersTheFirstIsTold) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "v.vti";
+  ManyNumbers numbers;
+  const size_t count = numbers.words.size();
+  ASSERT_GT(count, 4u * 65536);
+  for (const size_t place : {count - 1, size_t(3 * 65536), size_t(65536), size_t(65535), size_t(0)}) {
+    const std::string bad = "x" + std::to_string(place);
+    numbers.words[place] = bad;  // others are behind it
+    EXPECT_EQ(numbers.errorOf(path, count),
+              "array 'p': found \"" + bad + "\", expected a number of type float32");
+  }
+}
+
+TEST(CompressedVolume, WhereTextEndsTooEarlyTheFirstPointThatIsMissingIsTold) {
+  const TemporaryFolder folder;
+  const ManyNumbers numbers;
+  for (const size_t end : {size_t(0), size_t(1), size_t(65535), size_t(65536), size_t(200'000)})
+    EXPECT_EQ(numbers.errorOf(folder / "v.vti", end), "array 'p': the samples end before point " +
+                                                          std::to_string(end) + ", expected " +
+                                                          std::to_string(numbers.words.size()));
 }
 
 std::shared_ptr<const File> fileOf(const TemporaryFolder& folder, const std::string& bytes) {

@@ -249,7 +249,7 @@ TEST_F(ImageFormats, NiftiImagesStandWhereTheirTransformsSay) {
               "the samples begin within the header");
   expectError(file("v.nii", Nifti().with(samples).substr(0, 300)), "ends within its header");
   expectError(file("v.nii.gz", gzipped(Nifti().with(samples.substr(1)))),
-              "the samples end before point 0, expected 12");
+              "the samples end before point 11, expected 12");
 }
 
 std::string npy(const std::string& dictionary, const std::string& samples) {

@@ -199,6 +199,45 @@ TEST_F(VtkXmlFile, CompressedMeshesAreReadInEveryForm) {
     }
 }
 
+TEST_F(VtkXmlFile, ManyPointsAreReadInEveryForm) {
+  constexpr vtkIdType kMany = 100'001;  // in several blocks of every form
+  const auto placeOf = [](vtkIdType i) {
+    return glm::dvec3(double(i) * 0.25, double(i % 977), -0.5 * double(i));
+  };
+  const auto valueOf = [](vtkIdType i) { return double(i % 1021) + 0.5; };
+  const auto points = vtkSmartPointer<vtkPoints>::New();
+  const auto data = vtkSmartPointer<vtkDoubleArray>::New();
+  data->SetName("data");
+  for (vtkIdType i = 0; i < kMany; ++i) {
+    points->InsertNextPoint(&placeOf(i)[0]);
+    data->InsertNextValue(valueOf(i));
+  }
+  const auto set = vtkSmartPointer<vtkPolyData>::New();
+  set->SetPoints(points);
+  set->GetPointData()->SetScalars(data);
+  const std::string path = folder_ / "many.vtp";
+  for (const auto& [mode, base64] :
+       {std::pair{vtkXMLWriter::Ascii, false}, std::pair{vtkXMLWriter::Binary, false},
+        std::pair{vtkXMLWriter::Appended, true}, std::pair{vtkXMLWriter::Appended, false}})
+    for (const bool compressed : {false, true})
+      for (const bool big : {false, true}) {
+        const auto writer = vtkSmartPointer<vtkXMLPolyDataWriter>::New();
+        writer->SetFileName(path.c_str());
+        writer->SetInputData(set);
+        writer->SetDataMode(mode);
+        writer->SetEncodeAppendedData(base64);
+        compressed ? writer->SetCompressorTypeToZLib() : writer->SetCompressorTypeToNone();
+        if (big) writer->SetByteOrderToBigEndian();
+        ASSERT_EQ(writer->Write(), 1);
+        const GeometryBlock block = readGeometry(path, GeometryKind::Particles).block;
+        ASSERT_EQ(block.points.size(), size_t(kMany));
+        for (vtkIdType i = 0; i < kMany; ++i) {
+          ASSERT_EQ(block.points[size_t(i)], placeOf(i)) << i << " " << mode << base64 << compressed << big;
+          ASSERT_EQ(block.values[size_t(i)], float(valueOf(i))) << i << " " << mode << base64 << compressed;
+        }
+      }
+}
+
 TEST_F(VtkXmlFile, CompressedImagesAreReadInEveryForm) {
   for (const Form& form : allForms()) {
     const VolumeFile file = openVolume(vti(form));
