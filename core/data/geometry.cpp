@@ -2,6 +2,7 @@
 #include "core/data/geometry.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -324,6 +325,14 @@ int64_t dropUnusable(GeometryBlock& block, GeometryKind kind) {
       withoutRepeatedPoints(block, begin, end, usable);
     }
   } else {
+    std::atomic<bool> all = true;
+    parallelFor(
+        size_t(0), block.ids.size(),
+        [&](size_t p) {
+          if (!isUsable(block, kind, p)) all = false;
+        },
+        [](double) {});
+    if (all) return 0;
     usable.resize(block.ids.size());
     std::iota(usable.begin(), usable.end(), 0u);
   }

@@ -20,6 +20,7 @@
 #include <numeric>
 
 #include "core/comm/error.h"
+#include "core/comm/parallel_for.h"
 #include "core/data/cells.h"
 #include "core/io/color_arrays.h"
 #include "core/io/drawn_cells.h"
@@ -47,6 +48,17 @@ std::vector<glm::dvec3> pointsOf(vtkPointSet* set) {
   const auto doubles = count ? vtkDoubleArray::SafeDownCast(set->GetPoints()->GetData()) : nullptr;
   if (doubles && doubles->GetNumberOfComponents() == 3) {
     std::memcpy(points.data(), doubles->GetPointer(0), points.size() * sizeof points[0]);
+    return points;
+  }
+  const auto floats = count ? vtkFloatArray::SafeDownCast(set->GetPoints()->GetData()) : nullptr;
+  if (floats && floats->GetNumberOfComponents() == 3) {
+    const float* from = floats->GetPointer(0);
+    parallelFor(
+        size_t(0), points.size(),
+        [&](size_t i) {
+          points[i] = {from[3 * i], from[3 * i + 1], from[3 * i + 2]};
+        },
+        [](double) {});
     return points;
   }
   for (vtkIdType i = 0; i < count; ++i) {

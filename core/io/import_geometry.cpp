@@ -3,7 +3,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -11,6 +13,7 @@
 
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
+#include "core/comm/parallel_for.h"
 #include "core/comm/wire.h"
 #include "core/data/distribute.h"
 #include "core/data/joined.h"
@@ -237,13 +240,55 @@ void declareFields(OwnedGeometry& geometry, Collectives& ranks) {
   });
 }
 
-void extendRanges(OwnedGeometry& geometry, size_t point) {
-  for (size_t f = 0; f < geometry.fields.size(); ++f) {
-    const PointField& field = geometry.block.fields[f];
-    std::vector<Range>& ranges = geometry.fields[f].ranges;
-    for (int c = 0; c < field.components; ++c) ranges[size_t(c)].extend(double(fieldValue(field, c, point)));
-    if (field.components > 1) ranges.back().extend(double(fieldValue(field, -1, point)));
+/// What is measured of some primitives.
+struct Measures {
+  Box box;
+  Range values, radii;
+  std::vector<std::vector<Range>> fields;  ///< as in PointFieldInfo
+
+  void extend(const Measures& other) {
+    box.extend(other.box);
+    values.extend(other.values);
+    radii.extend(other.radii);
+    for (size_t f = 0; f < fields.size(); ++f)
+      for (size_t r = 0; r < fields[f].size(); ++r) fields[f][r].extend(other.fields[f][r]);
   }
+};
+
+/// Of primitives from number `first` on, before number `last`. Points that no primitive uses do not count.
+Measures measuresOf(const GeometryBlock& block, GeometryKind kind, size_t first, size_t last) {
+  Measures m;
+  for (const PointField& f : block.fields) m.fields.emplace_back(partsOf(f.components));
+  for (size_t p = first; p < last; ++p)
+    for (const uint32_t point : primitivePoints(block, kind, p)) {
+      m.box.extend(block.points[point]);
+      if (!block.values.empty()) m.values.extend(double(block.values[point]));
+      if (!block.radiusValues.empty()) m.radii.extend(double(block.radiusValues[point]));
+      for (size_t f = 0; f < m.fields.size(); ++f) {
+        const PointField& field = block.fields[f];
+        for (int c = 0; c < field.components; ++c)
+          m.fields[f][size_t(c)].extend(double(fieldValue(field, c, point)));
+        if (field.components > 1) m.fields[f].back().extend(double(fieldValue(field, -1, point)));
+      }
+    }
+  return m;
+}
+
+/// Of all primitives, on all cores. `check` is called now and then, on this thread.
+Measures measuresOf(const GeometryBlock& block, GeometryKind kind, const std::function<void()>& check) {
+  constexpr size_t kPart = size_t(1) << 16, kTogether = 64;
+  const size_t parts = (block.ids.size() + kPart - 1) / kPart;
+  Measures all = measuresOf(block, kind, 0, 0);
+  for (size_t begin = 0; begin < parts; begin += kTogether) {
+    check();
+    std::vector<Measures> some(std::min(kTogether, parts - begin));
+    parallelFor(size_t(0), some.size(), [&](size_t i) {
+      const size_t first = (begin + i) * kPart;
+      some[i] = measuresOf(block, kind, first, std::min(first + kPart, block.ids.size()));
+    });
+    for (const Measures& m : some) all.extend(m);
+  }
+  return all;
 }
 
 }  // namespace
@@ -307,19 +352,13 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
 void measureGeometry(LoadedGeometry& loaded, Collectives& ranks) {
   OwnedGeometry& geometry = loaded.geometry;
   declareFields(geometry, ranks);
-  // Points that no primitive uses do not count.
   Range radii;
   agree(ranks, [&] {
-    const Advance go = [&](double) { ranks.check(); };
-    for (size_t p = 0; p < geometry.block.ids.size(); ++p) {
-      tell(go, p, geometry.block.ids.size());
-      for (uint32_t point : primitivePoints(geometry.block, geometry.kind, p)) {
-        geometry.box.extend(geometry.block.points[point]);
-        if (!geometry.block.values.empty()) geometry.range.extend(double(geometry.block.values[point]));
-        if (!geometry.block.radiusValues.empty()) radii.extend(double(geometry.block.radiusValues[point]));
-        extendRanges(geometry, point);
-      }
-    }
+    const Measures m = measuresOf(geometry.block, geometry.kind, [&] { ranks.check(); });
+    geometry.box = m.box;
+    geometry.range = m.values;
+    radii = m.radii;
+    for (size_t f = 0; f < geometry.fields.size(); ++f) geometry.fields[f].ranges = m.fields[f];
   });
   mergeBox(ranks, geometry.box);
   mergeRanges(ranks, std::span(&geometry.range, 1));

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <functional>
 #include <span>
+#include <vector>
+
+#include "core/comm/parallel_for.h"
 
 namespace gxy {
 namespace {
@@ -40,15 +43,24 @@ struct Counts {
 };
 using Axes = std::array<Counts, 3>;
 
+Counts sumOf(Counts a, const Counts& b) {
+  std::ranges::transform(a.bins, b.bins, a.bins.begin(), std::plus<>());
+  return a;
+}
+
 void count(const LoadedGeometry& loaded, Collectives& ranks, Axes& axes) {
   const GeometryBlock& block = loaded.geometry.block;
-  for (size_t p = 0; p < block.ids.size(); p++)
-    for (const uint32_t point : primitivePoints(block, loaded.geometry.kind, p))
-      for (size_t a = 0; a < 3; a++) axes[a].add(block.points[point][int(a)]);
-  reduceValues(ranks, std::span<Counts>(axes), [](Counts a, const Counts& b) {
-    std::ranges::transform(a.bins, b.bins, a.bins.begin(), std::plus<>());
-    return a;
+  // Each of some threads counts a part of the primitives for itself. Sums of integers are the same in any order.
+  constexpr size_t kParts = 64;
+  const size_t all = block.ids.size(), parts = all < (size_t(1) << 16) ? 1 : kParts;
+  std::vector<Axes> counted(parts, axes);
+  parallelFor(size_t(0), parts, [&](size_t part) {
+    for (size_t p = all * part / parts; p < all * (part + 1) / parts; p++)
+      for (const uint32_t point : primitivePoints(block, loaded.geometry.kind, p))
+        for (size_t a = 0; a < 3; a++) counted[part][a].add(block.points[point][int(a)]);
   });
+  for (const Axes& some : counted) std::ranges::transform(axes, some, axes.begin(), sumOf);
+  reduceValues(ranks, std::span<Counts>(axes), sumOf);
 }
 
 }  // namespace
