@@ -166,19 +166,6 @@ void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, c
   }
 }
 
-// Returns another scene's primitives of the same geometry; null if there are none.
-std::shared_ptr<const GeometryInPartition> partAmong(OtherScenes scenes, const CompiledOperator& op,
-                                                     const RenderSpace& space, int partition) {
-  for (const auto& scene : scenes)
-    for (const CompiledOperator& o : scene->operators) {
-      if (o.data.geometry != op.data.geometry || scene->space != space || radiiOf(o.vis) != radiiOf(op.vis))
-        continue;
-      const auto part = o.parts.find(partition);
-      if (part != o.parts.end()) return part->second.geometry;
-    }
-  return nullptr;
-}
-
 // Spreads the lowest 10 bits of x, with two 0 bits between neighbours.
 uint32_t spread(uint32_t x) {
   x = (x | x << 16) & 0x030000ff;
@@ -204,63 +191,22 @@ std::vector<uint32_t> alongCurve(const GeometryBlock& block, GeometryKind kind, 
   return {places.begin(), places.end()};  // keeps the lower 32 bits, the indices
 }
 
-GeometryInPartition compilePart(const GeometryBlock& all, GeometryKind kind, const Vis& vis,
-                                const RenderSpace& space, const Advance& advance) {
-  const Advance sorting = partOf(advance, 0, 3), gathering = partOf(advance, 1, 3),
-                converting = partOf(advance, 2, 3);
-  const std::vector<uint32_t> order = alongCurve(all, kind, space, sorting);
-  const bool particles =
-      kind == GeometryKind::Particles;  // They need no copy in order, as they share no points.
-  const GeometryBlock ordered = particles ? GeometryBlock() : subset(all, kind, order, gathering);
-  const GeometryBlock& block = particles ? all : ordered;
-  const size_t points = block.points.size();
-  GeometryInPartition part;
-  part.points.reserve(4 * points);
-  part.values.reserve(block.values.size());
-  part.normals.reserve(3 * block.normals.size());
-  part.colors.reserve(3 * block.colors.size());
-  for (size_t n = 0; n < points; n++) {
-    tell(converting, n, points);
-    const size_t i = particles ? order[n] : n;
-    const glm::dvec3 p = space.toRender(block.points[i]);
-    const double radius =
-        kind == GeometryKind::Triangles ? 0 : radiusOf(vis, radiusValue(block, i)) * space.scale;
-    for (double x : {p.x, p.y, p.z, radius}) part.points.push_back(float(x));
-    if (!block.values.empty()) part.values.push_back(block.values[i]);
-    const auto append = [i](std::vector<float>& to, const std::vector<glm::vec3>& from) {
-      if (!from.empty()) to.insert(to.end(), {from[i].x, from[i].y, from[i].z});
-    };
-    append(part.normals, block.normals);
-    append(part.colors, block.colors);
-  }
-  const auto append = [](auto& to, const auto& from) {
-    to.reserve(to.size() +
-               from.size() * std::tuple_size_v<typename std::decay_t<decltype(from)>::value_type>);
-    for (const auto& numbers : from) to.insert(to.end(), std::begin(numbers), std::end(numbers));
-  };
-  append(part.indices, block.segments);
-  append(part.indices, block.triangles);
-  append(part.neighbours, block.neighbours);
-  part.primitives = uint32_t(block.ids.size());
-  return part;
-}
-
-void compileGeometry(CompiledOperator& op, CompiledScene& scene, OtherScenes known, const Advance& advance) {
+void compileGeometry(CompiledOperator& op, CompiledScene& scene, const Advance& advance) {
   const Geometry& geometry = *op.data.geometry;
-  ColorMap color = effectiveColorMap(op.vis);
-  op.map = CompiledMap(color, nullptr, MapUnits{});
-  for (const auto& [partition, block] : geometry.blocks) {
-    if (block.ids.empty()) continue;
-    auto& part = op.parts[partition].geometry;
-    part = partAmong(known, op, scene.space, partition);
-    if (!part)
-      part = std::make_shared<const GeometryInPartition>(
-          compilePart(block, geometry.kind, op.vis, scene.space,
-                      partOf(advance, op.parts.size() - 1, geometry.blocks.size())));
+  op.map = CompiledMap(effectiveColorMap(op.vis), nullptr, MapUnits{});
+  CompiledGeometry compiled;
+  if (!op.data.primitives)
+    for (const auto& [partition, block] : geometry.blocks)
+      if (!block.ids.empty())
+        compiled[partition] = compilePrimitives(block, geometry.kind, op.vis, scene.space,
+                                                partOf(advance, compiled.size(), geometry.blocks.size()));
+  bool mapped = !geometry.range.empty();
+  for (const auto& [partition, primitives] : op.data.primitives ? *op.data.primitives : compiled) {
+    op.parts[partition].geometry = primitives;
     scene.visible[partition] = 1;
+    mapped = mapped || !primitives->values.empty();
   }
-  if (geometry.range.empty() && !hasValues(geometry))
-    op.map = CompiledMap(ColorMap{{ColorPoint{0, op.data.color}}}, nullptr, MapUnits{});
+  if (!mapped) op.map = CompiledMap(ColorMap{{ColorPoint{0, op.data.color}}}, nullptr, MapUnits{});
 }
 
 VisType typeFor(GeometryKind kind) {
@@ -322,6 +268,49 @@ std::vector<SharedBytes> CompiledScene::sharedBytes() const {
   return shared;
 }
 
+std::shared_ptr<const GeometryInPartition> compilePrimitives(const GeometryBlock& all, GeometryKind kind,
+                                                             const Vis& vis, const RenderSpace& space,
+                                                             const Advance& advance) {
+  const Advance sorting = partOf(advance, 0, 3), gathering = partOf(advance, 1, 3),
+                converting = partOf(advance, 2, 3);
+  const std::vector<uint32_t> order = alongCurve(all, kind, space, sorting);
+  const bool particles =
+      kind == GeometryKind::Particles;  // They need no copy in order, as they share no points.
+  const GeometryBlock ordered = particles ? GeometryBlock() : subset(all, kind, order, gathering);
+  const GeometryBlock& block = particles ? all : ordered;
+  const size_t points = block.points.size();
+  auto compiled = std::make_shared<GeometryInPartition>();
+  GeometryInPartition& part = *compiled;
+  part.points.reserve(4 * points);
+  part.values.reserve(block.values.size());
+  part.normals.reserve(3 * block.normals.size());
+  part.colors.reserve(3 * block.colors.size());
+  for (size_t n = 0; n < points; n++) {
+    tell(converting, n, points);
+    const size_t i = particles ? order[n] : n;
+    const glm::dvec3 p = space.toRender(block.points[i]);
+    const double radius =
+        kind == GeometryKind::Triangles ? 0 : radiusOf(vis, radiusValue(block, i)) * space.scale;
+    for (double x : {p.x, p.y, p.z, radius}) part.points.push_back(float(x));
+    if (!block.values.empty()) part.values.push_back(block.values[i]);
+    const auto append = [i](std::vector<float>& to, const std::vector<glm::vec3>& from) {
+      if (!from.empty()) to.insert(to.end(), {from[i].x, from[i].y, from[i].z});
+    };
+    append(part.normals, block.normals);
+    append(part.colors, block.colors);
+  }
+  const auto append = [](auto& to, const auto& from) {
+    to.reserve(to.size() +
+               from.size() * std::tuple_size_v<typename std::decay_t<decltype(from)>::value_type>);
+    for (const auto& numbers : from) to.insert(to.end(), std::begin(numbers), std::end(numbers));
+  };
+  append(part.indices, block.segments);
+  append(part.indices, block.triangles);
+  append(part.neighbours, block.neighbours);
+  part.primitives = uint32_t(block.ids.size());
+  return compiled;
+}
+
 std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
                                             std::vector<OperatorData> data,
                                             std::shared_ptr<const Partitioning> partitioning,
@@ -367,7 +356,7 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
       compileVolume(op, *scene);
       seen.extend(op.data.volume->grid.box());
     } else {
-      compileGeometry(op, *scene, others, partOf(advance, i, 2 * count));
+      compileGeometry(op, *scene, partOf(advance, i, 2 * count));
       Box b = op.data.geometry->box;
       const double r = largestRadius(op.vis, op.data.geometry->radiusRange.value_or(op.data.geometry->range));
       if (!b.empty()) seen.extend(Box{b.lo - r, b.hi + r});

@@ -13,6 +13,7 @@
 #include "core/comm/advance.h"
 #include "core/data/geometry.h"
 #include "core/data/mesh.h"
+#include "core/data/owned_geometry.h"
 #include "core/data/partitioning.h"
 #include "core/data/point_gradients.h"
 #include "core/data/volume.h"
@@ -31,14 +32,21 @@ struct RenderSpace {
 };
 RenderSpace renderSpaceOf(const Partitioning& partitioning);
 
-/// The dataset of an operator: a volume, or geometry whose blocks are complete (replicated,
-/// data/replicate.h). One of the three is set.
+struct GeometryInPartition;
+/// The primitives of a geometry in each partition of this rank that has some, compiled with an operator's radii.
+using CompiledGeometry = std::map<int, std::shared_ptr<const GeometryInPartition>>;
+
+/// The dataset of an operator: a volume, or geometry that has come to the partitions that it touches (data/distribute.h). One of
+/// volume, mesh and geometry is set.
 struct OperatorData {
   std::shared_ptr<const Volume> volume;
   std::shared_ptr<const Mesh> mesh{};  ///< an unstructured volume
   /// Of what the operator shows of the mesh. Without it, isosurfaces have the normals of the cells.
   std::shared_ptr<const PointGradients> gradients{};
   std::shared_ptr<const Geometry> geometry{};
+  /// The primitives of `geometry`, if they have been compiled already. Then it has no blocks, and `owned` is what it was made of.
+  std::shared_ptr<const CompiledGeometry> primitives{};
+  std::shared_ptr<const OwnedGeometry> owned{};
   glm::dvec3 color{0.8};  ///< colour of geometry without values
 };
 
@@ -156,11 +164,15 @@ struct CompiledScene {
 /// The longest side of the domain is at most so many times Vis::every: then no ray has more than 65535 places.
 inline constexpr double kMostSteps = 1 << 15;
 
-/// Compiles a scene for the partitions that are local, which the data's blocks tell. `visible` then holds
+/// Compiles the primitives of a block of geometry, of which there is at least one, with the radii that `vis` gives them.
+std::shared_ptr<const GeometryInPartition> compilePrimitives(
+    const GeometryBlock& block, GeometryKind kind, const Vis& vis, const RenderSpace& space,
+    const Advance& advance = [](double) {});
+
+/// Compiles a scene for the partitions that are local, which the data's blocks or primitives tell. `visible` then holds
 /// only the answers of local partitions: merge them over ranks (bitwise or), and set it. If one of `others`
-/// shows the same isosurfaces of the same volume, or the same geometry with the same radii, its plan of them
-/// and its primitives are used. Making these looks at all samples and points, and an edit of a map or of a
-/// light need not wait for that. Throws Error for an operator without fitting data and for more than
+/// shows the same isosurfaces of the same volume, its plan of them is used. Making it looks at all samples, and an edit of a map
+/// or of a light need not wait for that. Throws Error for an operator without fitting data and for more than
 /// MANY_VOLUMES volumes that are volume rendered, and what `advance` throws.
 std::shared_ptr<CompiledScene> compileScene(
     const Visualization& visualization, std::vector<OperatorData> data,

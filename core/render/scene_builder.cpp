@@ -25,25 +25,45 @@ void mergeVisible(CompiledScene& scene, Collectives& ranks) {
 
 }  // namespace
 
+std::shared_ptr<Geometry> distributed(std::shared_ptr<const OwnedGeometry> owned, const Vis& vis,
+                                      const Partitioning& partitioning, Collectives& ranks,
+                                      const EnterMemory& enter) {
+  const ShownArray shown{vis.array, vis.component};
+  LedgerEntry copy;
+  agree(ranks, [&] {
+    if (const int64_t bytes = bytesToShow(*owned, shown)) copy = enter("geometry", bytes);
+    owned = geometryToShow(std::move(owned), shown, vis.dataset);
+  });
+  return distribute(
+      *owned, partitioning,
+      [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); }, ranks);
+}
+
 DistributedGeometryPtr SharedGeometry::get(const GeometrySource& source, const Vis& vis,
                                            const Partitioning& partitioning, Collectives& ranks,
                                            const EnterMemory& enter) {
-  const Distribution distribution{source.name, radiiOf(vis), vis.array, vis.component.value_or(-1)};
+  const RenderSpace space = renderSpaceOf(partitioning);
+  const Distribution distribution{source.name,
+                                  radiiOf(vis),
+                                  vis.array,
+                                  vis.component.value_or(-1),
+                                  {space.centre.x, space.centre.y, space.centre.z, space.scale}};
   DistributedGeometryPtr known = known_.find(distribution);
   if (everywhere(known != nullptr, ranks)) return known;  // a rank may have forgotten it
-  const ShownArray shown{vis.array, vis.component};
-  std::shared_ptr<const OwnedGeometry> toShow;
-  LedgerEntry copy;
+  const std::shared_ptr<Geometry> geometry = distributed(source.owned, vis, partitioning, ranks, enter);
+  CompiledGeometry primitives;
   agree(ranks, [&] {
-    if (const int64_t bytes = bytesToShow(*source.owned, shown)) copy = enter("geometry", bytes);
-    toShow = geometryToShow(source.owned, shown, vis.dataset);
+    const LedgerEntry blocks = enter("geometry", bytesOf(*geometry));
+    while (!geometry->blocks.empty()) {
+      const auto block = geometry->blocks.extract(geometry->blocks.begin());
+      if (block.mapped().ids.empty()) continue;
+      primitives[block.key()] =
+          compilePrimitives(block.mapped(), geometry->kind, vis, space, [&ranks](double) { ranks.check(); });
+    }
   });
-  DistributedGeometry mine;
-  mine.geometry = distribute(
-      *toShow, partitioning,
-      [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); }, ranks);
-  agree(ranks, [&] { mine.memory = enter("geometry", bytesOf(*mine.geometry)); });
-  return known_.get(distribution, [&] { return std::move(mine); });
+  return known_.get(distribution, [&] {
+    return DistributedGeometry{geometry, std::make_shared<const CompiledGeometry>(std::move(primitives))};
+  });
 }
 
 MeshGradientsPtr SharedGradients::get(std::shared_ptr<const Mesh> mesh, const Vis& vis,
@@ -81,6 +101,8 @@ BuiltScene SceneBuilder::build(SceneSource source, Collectives& ranks, const Ent
       onItem(item++, of, "distributing " + vis.dataset);
       built.geometry.push_back(geometry_.get(*from.geometry, vis, *source.partitioning, ranks, enter));
       from.data.geometry = built.geometry.back()->geometry;
+      from.data.primitives = built.geometry.back()->primitives;
+      from.data.owned = from.geometry->owned;
     }
     if (const Vis& vis = source.visualization.operators[i];
         from.data.mesh && !vis.isovalues.empty() && !source.sampled) {

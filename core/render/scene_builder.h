@@ -31,24 +31,32 @@ struct GeometrySource {
   std::shared_ptr<const OwnedGeometry> owned;
 };
 
-/// Geometry in every partition that it touches, with its entry in the ledger.
+/// Geometry whose primitives have been compiled in every partition that they touch. Blocks were needed for that only, and the
+/// geometry has none left.
 struct DistributedGeometry {
   std::shared_ptr<const Geometry> geometry;
-  LedgerEntry memory;
+  std::shared_ptr<const CompiledGeometry> primitives;
 };
 using DistributedGeometryPtr = std::shared_ptr<const DistributedGeometry>;
+
+/// Collective. Returns a geometry in the partitions that it touches with the radii and the values that `vis` gives it.
+std::shared_ptr<Geometry> distributed(std::shared_ptr<const OwnedGeometry> owned, const Vis& vis,
+                                      const Partitioning& partitioning, Collectives& ranks,
+                                      const EnterMemory& enter);
 
 /// Keeps distributed geometry for as long as somebody holds it, so that scenes share it. There is one on each rank. Thread safe.
 class SharedGeometry {
  public:
   /// Collective. Returns the geometry with the radii and the values that `vis` gives it. If any rank does not have it, the geometry
-  /// is distributed and `enter` is called for "geometry". If either fails on one rank, all ranks throw the same Error.
+  /// is distributed and compiled, and `enter` is called for "geometry", which is in memory until then. If either fails on one rank,
+  /// all ranks throw the same Error.
   DistributedGeometryPtr get(const GeometrySource& source, const Vis& vis, const Partitioning& partitioning,
                              Collectives& ranks, const EnterMemory& enter);
 
  private:
-  /// Name, radiiOf(), Vis::array and Vis::component or -1.
-  using Distribution = std::tuple<std::string, std::array<double, 4>, std::string, int>;
+  /// Name, radiiOf(), Vis::array, Vis::component or -1, and renderSpaceOf() as numbers.
+  using Distribution =
+      std::tuple<std::string, std::array<double, 4>, std::string, int, std::array<double, 4>>;
   SharedBy<Distribution, DistributedGeometry> known_;
 };
 
@@ -110,7 +118,7 @@ class SceneBuilder {
   /// The backend must outlive the builder. `rank` is this rank.
   SceneBuilder(const Backend& backend, int rank) : backend_(backend), rank_(rank) {}
 
-  /// Collective. Distributes geometry, finds the gradients for isosurfaces of meshes, compiles the scene, merges over all ranks which partitions are visible, and makes the
+  /// Collective. Distributes and compiles geometry, finds the gradients for isosurfaces of meshes, compiles the scene, merges over all ranks which partitions are visible, and makes the
   /// scene on the backend's device. Calls `enter` for "geometry" after each distribution, and for "scene" once the device has
   /// the scene. Takes long for much data. If a rank fails or has no room, all ranks throw the same Error and nothing remains.
   BuiltScene build(

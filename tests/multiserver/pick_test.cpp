@@ -154,6 +154,27 @@ TEST(Pick, GeometryIsFoundWithItsValueThere) {
   EXPECT_EQ(picked.at(10, 20).at("dataset"), "ball");
 }
 
+TEST(Pick, GeometryHasTheValueOfTheFieldThatIsShown) {
+  for (const int ranks : {1, 2}) {
+    Picked picked(ranks);
+    writeText(picked.server->folder() / "two.csv",
+              "x,y,z,mass,age,height\n0,0,0.5,7,3,4\n0.7,0.7,0,8,5,12\n");
+    picked.viewer.client->expect(R"(import like ball {"Datasets": {"name": "two", "type": "Particles",
+        "filename": "two.csv", "array": "mass", "fields": ["age", "height"]}})");
+    for (const auto& [array, value] : {std::pair{"", 7}, std::pair{"age", 3}, std::pair{"height", 4}}) {
+      const std::string shown = *array ? R"("array": ")" + std::string(array) + R"(", )" : "";
+      picked.show(R"({"type": "Particles", "dataset": "two", )" + shown + R"("radius": 0.25})");
+      EXPECT_EQ(picked.at(32, 32).at("value"), value) << array;
+      // A radius that follows the value is that of the shown one, too.
+      picked.show(R"({"type": "Particles", "dataset": "two", )" + shown +
+                  R"("radius0": 0, "radius1": 0.5, "value0": 0, "value1": )" + std::to_string(2 * value) +
+                  "}");
+      expectNear(picked.at(32, 32).at("point"), {0, 0, 0.75}, 1e-6);
+      EXPECT_EQ(picked.at(32, 32).at("value"), value) << array;
+    }
+  }
+}
+
 TEST(Pick, GeometryInColoursOfItsOwnIsFoundWithoutAValue) {
   Picked picked;
   const std::string text =

@@ -175,6 +175,29 @@ TEST_F(SceneBuilderTest, ShowsTheFieldThatArrayNames) {
   }
 }
 
+TEST_F(SceneBuilderTest, KeepsPrimitivesAsTheyAreCompiledAndNoCopyOfThem) {
+  const BuiltScene built = build(source(0.05));
+  const OperatorData& data = built.compiled->operators[0].data;
+  EXPECT_TRUE(data.geometry->blocks.empty());
+  EXPECT_EQ(data.owned, owned_);
+  auto bytes = int64_t(built.compiled->bytes() + built.device->bytes());
+  for (const auto& all : {built.compiled->sharedBytes(), built.device->sharedBytes()})
+    for (const SharedBytes& shared : all) bytes += int64_t(shared.bytes);
+  EXPECT_EQ(ledger_.total(), bytes);
+  Visualization same = scene_.visualization;
+  same.operators[0].radius1 = 0.05;
+  const auto complete =
+      compileScene(same, {compiled_->operators[0].data}, compiled_->partitioning, scene_.settings);
+  const auto& parts = complete->operators[0].parts;
+  ASSERT_FALSE(parts.empty());
+  ASSERT_EQ(built.compiled->operators[0].parts.size(), parts.size());
+  for (const auto& [partition, part] : parts) {
+    const GeometryInPartition& kept = *built.compiled->operators[0].parts.at(partition).geometry;
+    EXPECT_EQ(kept.points, part.geometry->points);
+    EXPECT_EQ(kept.values, part.geometry->values);
+  }
+}
+
 TEST_F(SceneBuilderTest, DistributesAgainWhereAnotherRankHasForgotten) {
   const BuiltScene first = build(source(0.05));
   ranks_.other = 0;

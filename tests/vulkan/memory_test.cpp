@@ -201,7 +201,11 @@ TEST(DeviceMemory, OfSharedGeometryGivesTheSamePicture) {
   const auto compiled = scene.compile();
   const auto first = backend->makeScene(compiled, 0);
   scene.visualization.lighting.Kd = 0.25;
-  scene.others = {compiled};
+  for (size_t i = 0; i < scene.data.size(); i++) {
+    CompiledGeometry primitives;
+    for (const auto& [partition, part] : compiled->operators[i].parts) primitives[partition] = part.geometry;
+    scene.data[i].primitives = std::make_shared<const CompiledGeometry>(std::move(primitives));
+  }
   const auto second = backend->makeScene(scene.compile(), 0);
   const auto sharedBy = [](const DeviceScene& s) {
     std::vector<const void*> all;

@@ -82,13 +82,13 @@ void addMesh(Hash& hash, const Mesh& mesh) {
   }
 }
 
-void addGeometry(Hash& hash, const Geometry& geometry) {
+void addGeometry(Hash& hash, const OwnedGeometry& geometry) {
+  const GeometryBlock& block = geometry.block;
   hash.add(&geometry.kind, sizeof geometry.kind);
-  for (const auto& [p, block] : geometry.blocks) {
-    hash.add(block.points), hash.add(block.normals), hash.add(block.values);
-    hash.add(block.triangles), hash.add(block.segments), hash.add(block.neighbours);
-    if (!block.colors.empty()) hash.add(block.colors);
-  }
+  hash.add(block.points), hash.add(block.normals), hash.add(block.values);
+  hash.add(block.triangles), hash.add(block.segments), hash.add(block.neighbours);
+  if (!block.colors.empty()) hash.add(block.colors);
+  for (const PointField& field : block.fields) hash.add(field.values);
 }
 
 std::string contentOf(State state, const LoadedState& loaded) {
@@ -101,7 +101,7 @@ std::string contentOf(State state, const LoadedState& loaded) {
   for (const OperatorData& data : loaded.data.at(0)) {
     if (data.volume) addVolume(hash, *data.volume);
     if (data.mesh) addMesh(hash, *data.mesh);
-    if (data.geometry) addGeometry(hash, *data.geometry);
+    if (data.owned) addGeometry(hash, *data.owned);
   }
   return hash.text();
 }

@@ -290,7 +290,7 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   loaded.shown = std::move(shownSoFar);
   loaded.shown.resize(state.visualizations.size());
 
-  // Geometry goes to every partition that it touches with the radii that its Vis gives it, once for each.
+  // Geometry is compiled in every partition that it touches with the radii that its Vis gives it, once for each.
   SharedGeometry distributed;
   const EnterMemory enter = [&ledger](const char* purpose, int64_t bytes) {
     return ledger.enter(kTenant, purpose, bytes);
@@ -313,6 +313,8 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
         loaded.geometry.push_back(
             distributed.get({op.dataset, d.geometry}, op, *loaded.partitioning, ranks, enter));
         data.geometry = loaded.geometry.back()->geometry;
+        data.primitives = loaded.geometry.back()->primitives;
+        data.owned = d.geometry;
       }
     }
   }

@@ -29,7 +29,7 @@ struct LoadedState {
   std::vector<ShownSoFar> shown;           ///< by visualization
   std::map<std::string, std::shared_ptr<const Dataset>>
       datasets;                                  ///< all that were read or made, with their memory
-  std::vector<DistributedGeometryPtr> geometry;  ///< that `data` show, with its memory
+  std::vector<DistributedGeometryPtr> geometry;  ///< that `data` show
   LeftOut leftOut;
 
   /// Returns visualization v of a state after resolved(), with component numbers that refer to the loaded

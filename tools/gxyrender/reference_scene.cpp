@@ -71,7 +71,15 @@ reference::ReferenceScene referenceScene(const Visualization& visualization,
 }
 
 reference::ReferenceScene referenceScene(const State& state, const LoadedState& loaded, size_t v) {
-  return referenceScene(loaded.visualization(state, v), loaded.data[v], state.settings);
+  const Visualization visualization = loaded.visualization(state, v);
+  std::vector<OperatorData> data = loaded.data[v];
+  SingleRank alone;
+  const EnterMemory enter = [](const char*, int64_t) { return LedgerEntry(); };
+  for (size_t i = 0; i < data.size(); i++)  // what is compiled has no blocks any more
+    if (data[i].owned)
+      data[i].geometry =
+          distributed(data[i].owned, visualization.operators[i], *loaded.partitioning, alone, enter);
+  return referenceScene(visualization, data, state.settings);
 }
 
 reference::AoDirections occlusionDirections(int aoCount, int width, uint32_t frameNumber) {

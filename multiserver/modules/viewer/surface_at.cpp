@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "core/data/bricks.h"
+#include "core/data/shown_array.h"
 #include "core/kernels/twin.h"
 #include "core/rays/kernel_cells.h"
 
@@ -201,26 +202,40 @@ void ofMesh(const Vis& vis, const Mesh& mesh, glm::dvec3 point, const Found& fou
   }
 }
 
-double valueOf(const GeometryBlock& block, size_t point) {
-  return block.values.empty() ? kNaN : double(block.values[point]);
+/// A block of geometry with what an operator shows of it.
+struct ShownBlock {
+  const GeometryBlock& block;
+  const PointField* field = nullptr;  ///< in place of the block's own values
+  int component = -1;
+
+  double value(size_t point) const {
+    if (field) return double(fieldValue(*field, component, point));
+    return block.values.empty() ? kNaN : double(block.values[point]);
+  }
+  double radius(const Vis& vis, size_t point) const {
+    return radiusOf(vis, field && block.radiusValues.empty() ? value(point) : radiusValue(block, point));
+  }
+};
+
+ShownBlock shownOf(const OwnedGeometry& geometry, const Vis& vis) {
+  if (showsOwnValues(geometry, {vis.array, vis.component})) return {geometry.block};
+  return {geometry.block, findField(geometry.block.fields, vis.array), vis.component.value_or(-1)};
 }
 
-double radiusAt(const Vis& vis, const GeometryBlock& block, size_t point) {
-  return radiusOf(vis, radiusValue(block, point));
-}
-
-SurfaceAt ofParticle(const Vis& vis, const GeometryBlock& block, size_t p, glm::dvec3 point) {
+SurfaceAt ofParticle(const Vis& vis, const ShownBlock& shown, size_t p, glm::dvec3 point) {
+  const GeometryBlock& block = shown.block;
   const glm::dvec3 out = point - block.points[p];
-  const double value = valueOf(block, p), radius = radiusAt(vis, block, p);
+  const double value = shown.value(p), radius = shown.radius(vis, p);
   if (!(radius > 0)) return {std::numeric_limits<double>::infinity()};
   return {std::abs(glm::length(out) - radius), 0, 0, value, unit(out)};
 }
 
 // The ball between its ends that touches the point (core/kernels/roundcone.h).
-SurfaceAt ofSegment(const Vis& vis, const GeometryBlock& block, size_t s, glm::dvec3 point) {
+SurfaceAt ofSegment(const Vis& vis, const ShownBlock& shown, size_t s, glm::dvec3 point) {
+  const GeometryBlock& block = shown.block;
   const auto [a, b] = block.segments[s];
-  const double va = valueOf(block, a), vb = valueOf(block, b);
-  const double ra = radiusAt(vis, block, a), rb = radiusAt(vis, block, b);
+  const double va = shown.value(a), vb = shown.value(b);
+  const double ra = shown.radius(vis, a), rb = shown.radius(vis, b);
   const glm::dvec3 axis = block.points[b] - block.points[a];
   const double length = glm::length(axis);
   double along = ra >= rb ? 0 : 1;  // where one end holds the other
@@ -235,7 +250,8 @@ SurfaceAt ofSegment(const Vis& vis, const GeometryBlock& block, size_t s, glm::d
   return {std::abs(glm::length(out) - radius), 0, 0, va + along * (vb - va), unit(out)};
 }
 
-SurfaceAt ofTriangle(const Vis&, const GeometryBlock& block, size_t t, glm::dvec3 point) {
+SurfaceAt ofTriangle(const Vis&, const ShownBlock& shown, size_t t, glm::dvec3 point) {
+  const GeometryBlock& block = shown.block;
   const auto& [a, b, c] = block.triangles[t];
   const glm::dvec3 origin = block.points[a], ab = block.points[b] - origin, ac = block.points[c] - origin;
   const glm::dvec3 cross = glm::cross(ab, ac);
@@ -248,8 +264,7 @@ SurfaceAt ofTriangle(const Vis&, const GeometryBlock& block, size_t t, glm::dvec
   w = glm::max(w, glm::dvec3(0));
   w /= w.x + w.y + w.z;
   SurfaceAt at{glm::length(to - (w.y * ab + w.z * ac)), 0, 0, kNaN, cross / std::sqrt(square)};
-  if (!block.values.empty())
-    at.value = w.x * valueOf(block, a) + w.y * valueOf(block, b) + w.z * valueOf(block, c);
+  at.value = w.x * shown.value(a) + w.y * shown.value(b) + w.z * shown.value(c);
   if (!block.normals.empty())
     at.normal = unit(w.x * glm::dvec3(block.normals[a]) + w.y * glm::dvec3(block.normals[b]) +
                      w.z * glm::dvec3(block.normals[c]));
@@ -257,16 +272,20 @@ SurfaceAt ofTriangle(const Vis&, const GeometryBlock& block, size_t t, glm::dvec
 }
 
 template <class Found>
-void ofGeometry(const Vis& vis, const Geometry& geometry, glm::dvec3 point, const Found& found) {
-  const auto of = geometry.kind == GeometryKind::Particles   ? ofParticle
-                  : geometry.kind == GeometryKind::PathLines ? ofSegment
-                                                             : ofTriangle;
-  for (const auto& [partition, block] : geometry.blocks)
-    for (size_t p = 0; p < block.ids.size(); p++) {
-      SurfaceAt at = of(vis, block, p, point);
-      at.id = block.ids[p];
+void ofGeometry(const Vis& vis, const OperatorData& data, glm::dvec3 point, const Found& found) {
+  const GeometryKind kind = data.geometry->kind;
+  const auto of = kind == GeometryKind::Particles   ? ofParticle
+                  : kind == GeometryKind::PathLines ? ofSegment
+                                                    : ofTriangle;
+  const auto search = [&](const ShownBlock& shown) {
+    for (size_t p = 0; p < shown.block.ids.size(); p++) {
+      SurfaceAt at = of(vis, shown, p, point);
+      at.id = shown.block.ids[p];
       found(at);
     }
+  };
+  if (data.owned) return search(shownOf(*data.owned, vis));
+  for (const auto& [partition, block] : data.geometry->blocks) search({block});
 }
 
 // Within what float leaves of a point on a plane.
@@ -291,7 +310,7 @@ std::optional<SurfaceAt> surfaceAt(const CompiledScene& scene, glm::dvec3 point)
     const OperatorData& data = scene.operators[i].data;
     if (data.volume) ofVolume(vis, *data.volume, point, found);
     if (data.mesh) ofMesh(vis, *data.mesh, point, found);
-    if (data.geometry) ofGeometry(vis, *data.geometry, point, found);
+    if (data.geometry) ofGeometry(vis, data, point, found);
   }
   return nearest;
 }

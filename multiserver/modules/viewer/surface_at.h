@@ -24,8 +24,8 @@ struct SurfaceAt {
   }
 };
 
-/// The nearest to a world point of what this rank has in its partitions: isosurfaces and slices where a block holds the
-/// point's cell and the points around it, geometry anywhere. What clip planes or an opacity of 0 hide is left out. None where
+/// The nearest to a world point of what this rank has: isosurfaces and slices where a block holds the point's cell and the points
+/// around it, and geometry anywhere, that which the rank owns where the scene has compiled it. What clip planes or an opacity of 0 hide is left out. None where
 /// there is nothing of these. Takes time in proportion to the primitives; in double, by closed forms.
 std::optional<SurfaceAt> surfaceAt(const CompiledScene& scene, glm::dvec3 point);
 
