@@ -150,13 +150,14 @@ class XmlReader final : public Reader {
     // Bits, and pieces whose types differ, are left to VTK.
     if (!type || int(bytesOf(*type)) != array->GetDataTypeSize() || from != 0)
       return Reader::ReadArrayValues(element, at, array, from, count, of);
-    if (thrown_) return 0;
+    if (this->GetAbortExecute()) return 0;
     try {
       const auto values = static_cast<std::byte*>(array->GetVoidPointer(at));
       array->Modified();
       return readXmlArray(*xml_, element, *type, {values, size_t(count) * bytesOf(*type)});
     } catch (...) {  // No exception may pass through VTK.
       thrown_ = std::current_exception();
+      this->AbortExecuteOn();
       return 0;
     }
   }
