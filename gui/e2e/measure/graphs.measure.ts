@@ -20,9 +20,18 @@ afterAll(async () => {
   await server.stop();
 });
 
+const columnsOf = (count: number): number => Math.ceil(0.9 * Math.sqrt(count));
+
+/** The node in the middle of the canvas. Of a node near an edge of the canvas React Flow moves the canvas, too. */
+function middleOf(count: number): string {
+  const columns = columnsOf(count);
+  const rowsAbove = Math.floor((count - 1) / columns / 2);
+  return `n${rowsAbove * columns + Math.ceil(columns / 2)}`;
+}
+
 /** Filters that have one input each, the one before in their row; rows begin with the data. They fit into the canvas. */
 function makeNodes(name: string, count: number): void {
-  const columns = Math.ceil(0.9 * Math.sqrt(count));
+  const columns = columnsOf(count);
   const datasets: object[] = [{ name: 'ball', type: 'Volume' }];
   const nodes: Record<string, readonly [number, number]> = { 'Datasets/ball': [0, 0] };
   for (let i = 1; i < count; i++) {
@@ -82,7 +91,7 @@ it.each([
   makeNodes(`nodes ${count}`, count);
   const { page } = await opened(`nodes ${count}`, count);
   await page.locator('.react-flow__controls-fitview').click(); // A large graph is opened as far as it can be read.
-  const card = page.locator('.react-flow__node[data-id="Datasets/n5"]');
+  const card = page.locator(`.react-flow__node[data-id="Datasets/${middleOf(count)}"]`);
   await card.hover({ trial: true });
   const box = await card.boundingBox();
   const pane = await page.locator('.react-flow__pane').boundingBox();
