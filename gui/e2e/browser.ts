@@ -51,6 +51,13 @@ export class Browser {
   }
 }
 
+/** Has a page open an address of the server and connect. Returns the page. */
+export async function connect(page: Page, url: string): Promise<Page> {
+  await page.goto(url);
+  await page.getByText('Connected', { exact: true }).waitFor();
+  return page;
+}
+
 /** What axe-core finds on the page that is serious or critical. */
 export async function seriousFindings(page: Page): Promise<string[]> {
   await page.evaluate(axe.source);

@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Locator, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, openFile, saved, seriousFindings, whole } from './browser';
+import { Browser, canvasOf, connect, openFile, saved, seriousFindings, whole } from './browser';
 import {
   openGraphFile,
   publishFigure1,
@@ -41,10 +41,7 @@ afterAll(async () => {
 });
 
 async function opened(width: number, height: number, scheme: 'light' | 'dark' = 'light'): Promise<Page> {
-  const page = await browser.page(width, height, 1, scheme);
-  await page.goto(server.ticketUrl());
-  await page.getByText('Connected', { exact: true }).waitFor();
-  return page;
+  return connect(await browser.page(width, height, 1, scheme), server.ticketUrl());
 }
 
 async function openedGraph(page: Page): Promise<void> {

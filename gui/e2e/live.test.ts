@@ -5,7 +5,7 @@ import { mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, openFile, saved, savedPicture, seriousFindings, whole } from './browser';
+import { Browser, canvasOf, connect, openFile, saved, savedPicture, seriousFindings, whole } from './browser';
 import { openGraphFile, select, setProperty, state } from './canvas';
 import { decodePng, type Pixels } from './png';
 import { Server } from './server';
@@ -36,10 +36,7 @@ function simulate(name: string): ChildProcess {
 }
 
 async function opened(url = server.ticketUrl()): Promise<Page> {
-  const page = await browser.page(1280, 800);
-  await page.goto(url);
-  await page.getByText('Connected', { exact: true }).waitFor();
-  return page;
+  return connect(await browser.page(1280, 800), url);
 }
 
 const SCENE = {

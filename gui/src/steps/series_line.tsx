@@ -11,13 +11,12 @@ import './series.css';
 
 /** The series that a view shows, also through filters of the graph that is open. */
 function useSeriesShown(view: View): readonly FileSeries[] {
-  const { generations } = useSyncExternalStore(
-    (changed) => view.subscribe(changed),
-    () => view.status,
-  );
+  const subscribe = (changed: () => void) => view.subscribe(changed);
+  const { generations } = useSyncExternalStore(subscribe, () => view.status);
+  const datasets = useSyncExternalStore(subscribe, () => view.datasets.join('\n')).split('\n');
   const snapshot = useSnapshot();
   const all = useSeries((s) => s.all);
-  return seriesIn({ generations, graph: view.ofGraph?.graph, snapshot }, all);
+  return seriesIn({ datasets, generations, graph: view.ofGraph?.graph, snapshot }, all);
 }
 
 export function SeriesLines({ view }: { readonly view: View }) {

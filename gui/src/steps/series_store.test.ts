@@ -37,8 +37,10 @@ it('a series has the name of its files without the number, and its data are thos
     [0, 1].map((i) => ({ Datasets: [{ name: 'wave', type: 'Volume', filename: `/data/wave_000${i}.vti` }] })),
   );
   const { all } = useSeries.getState();
-  const shown = { generations: { wave: 2 }, graph: undefined, snapshot: undefined };
+  const shown = { datasets: [], generations: { wave: 2 }, graph: undefined, snapshot: undefined };
   expect(seriesIn(shown, all)).toEqual([opened?.series]);
+  // Also before there is a picture.
+  expect(seriesIn({ ...shown, datasets: ['wave'], generations: {} }, all)).toEqual([opened?.series]);
   expect(seriesIn({ ...shown, generations: { other: 1 } }, all)).toEqual([]);
   expect(withFiles(opened?.document ?? {})).toMatchObject({
     Datasets: [{ name: 'wave', type: 'Volume', filename: '/data/wave_0001.vti' }],

@@ -142,29 +142,32 @@ function followOthers(connection: Connection): void {
 export const seriesText = (path: string): string => path.replace(/^.*\//, '').replace('%d', '*');
 
 interface Shown {
+  /** What the view's own document shows. It is known before there is a picture, so that the line is there when the camera is fitted. */
+  readonly datasets: readonly string[];
   /** Of the datasets of a picture. */
   readonly generations: Readonly<Record<string, number>>;
   readonly graph: string | undefined; // whose view it is
   readonly snapshot: GraphSnapshot | undefined; // of the graph that is open
 }
 
-/** The series whose data a picture shows by itself, or through filters of its graph, if that is open. */
+/** The series whose data a view shows by itself, or through filters of its graph, if that is open. */
 export function seriesIn(
-  { generations, graph, snapshot }: Shown,
+  { datasets, generations, graph, snapshot }: Shown,
   all: readonly FileSeries[],
 ): readonly FileSeries[] {
   const inGraph =
     snapshot && graph === snapshot.name
       ? objectsIn(member(snapshot.document, 'Datasets')).map((d) => nameIn(d, 'name'))
       : [];
-  const names = new Set([...Object.keys(generations), ...inGraph]);
+  const names = new Set([...datasets, ...Object.keys(generations), ...inGraph]);
   return all.filter((series) => series.names.some((name) => names.has(name)));
 }
 
 /** The series that a view shows now. */
 export function seriesShown(view: View): readonly FileSeries[] {
   const { session } = useGraphStore.getState();
-  const shown = { generations: view.status.generations, graph: view.ofGraph?.graph };
+  const { datasets, status, ofGraph } = view;
+  const shown = { datasets, generations: status.generations, graph: ofGraph?.graph };
   return seriesIn({ ...shown, snapshot: session?.snapshot }, useSeries.getState().all);
 }
 

@@ -157,10 +157,15 @@ export class View {
     return this.source.kind === 'graph' ? this.source : null;
   }
 
+  /** What the looks of its own document show; of a view of a graph, none. */
+  get datasets(): readonly string[] {
+    return this.source.kind === 'graph' ? [] : datasetsOf(this.source.document, this.visualization);
+  }
+
   /** Names of what is shown, for people. */
   get content(): string {
     if (this.source.kind === 'graph') return `${this.source.view} of graph ${this.source.graph}`;
-    return datasetsOf(this.source.document, this.visualization).join(', ');
+    return this.datasets.join(', ');
   }
 
   /** The document with the camera of now; null: the view is one of a graph. */
