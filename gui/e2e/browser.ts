@@ -52,7 +52,7 @@ export class Browser {
 }
 
 /** Has a page open an address of the server and connect. Returns the page. */
-export async function connect(page: Page, url: string): Promise<Page> {
+export async function openPage(page: Page, url: string): Promise<Page> {
   await page.goto(url);
   await page.getByText('Connected', { exact: true }).waitFor();
   return page;

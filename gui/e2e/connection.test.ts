@@ -3,7 +3,7 @@
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { afterAll, beforeAll, expect, it } from 'vitest';
-import { Browser, connect, openFile, savedPicture, whole } from './browser';
+import { Browser, openFile, openPage, savedPicture, whole } from './browser';
 import { Proxy } from './proxy';
 import { Server } from './server';
 
@@ -20,7 +20,7 @@ afterAll(async () => {
 it('a ticket leaves the address bar at once, lets one page in, and reloading that page keeps it in', async () => {
   const page = await browser.page(800, 600);
   const url = server.ticketUrl();
-  await connect(page, url);
+  await openPage(page, url);
   expect(page.url()).toBe(server.url);
   await page.reload();
   await page.getByText('Connected', { exact: true }).waitFor();

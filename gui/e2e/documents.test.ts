@@ -6,7 +6,7 @@ import { readdirSync, readFileSync } from 'node:fs';
 import { basename, join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, connect, savedPicture, whole } from './browser';
+import { Browser, canvasOf, openPage, savedPicture, whole } from './browser';
 import { openGraphFile, savedGraph, select, setProperty, state } from './canvas';
 import { decodePng } from './png';
 import { Server } from './server';
@@ -79,7 +79,7 @@ afterAll(async () => {
 });
 
 async function opened(): Promise<Page> {
-  return connect(await browser.page(1280, 800), server.ticketUrl());
+  return openPage(await browser.page(1280, 800), server.ticketUrl());
 }
 
 /** Opens a state file as a graph, and waits until it is the one that is open. */

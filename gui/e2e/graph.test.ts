@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, connect, savedPicture, seriousFindings, whole } from './browser';
+import { Browser, canvasOf, openPage, savedPicture, seriousFindings, whole } from './browser';
 import {
   addByMouse,
   allInSight,
@@ -55,7 +55,7 @@ async function opened(
   scheme: 'light' | 'dark' = 'light',
 ): Promise<Page> {
   const page = await browser.page(width, height, 1, scheme);
-  await connect(page, server.ticketUrl());
+  await openPage(page, server.ticketUrl());
   await page.getByRole('toolbar', { name: 'Graph' }).waitFor();
   return page;
 }

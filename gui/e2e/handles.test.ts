@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Locator, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, connect, openFile, saved, seriousFindings, whole } from './browser';
+import { Browser, canvasOf, openFile, openPage, saved, seriousFindings, whole } from './browser';
 import {
   openGraphFile,
   publishFigure1,
@@ -41,7 +41,7 @@ afterAll(async () => {
 });
 
 async function opened(width: number, height: number, scheme: 'light' | 'dark' = 'light'): Promise<Page> {
-  return connect(await browser.page(width, height, 1, scheme), server.ticketUrl());
+  return openPage(await browser.page(width, height, 1, scheme), server.ticketUrl());
 }
 
 async function openedGraph(page: Page): Promise<void> {
@@ -155,7 +155,7 @@ it('a slice and an isovalue are dragged in the picture: document, form and pictu
   await finish(page);
 });
 
-it('the box and the line of seeds are moved in the picture, and the form follows', async () => {
+it('the box, the line and the sphere of seeds are moved in the picture, and the form follows', async () => {
   const page = await opened(900, 560);
   const graph = {
     ...GRAPH,
@@ -201,6 +201,28 @@ it('the box and the line of seeds are moved in the picture, and the form follows
   expect(await field(page, 'from')).toBe('');
   await state(page, 'Datasets/seeds', 'done');
   await page.screenshot({ path: join(inject('pictures'), 'seeds.png') });
+  // A sphere has its middle and a quarter of the box's side as its radius, until a hand says others.
+  await setProperty(page, 'shape', 'sphere');
+  await state(page, 'Datasets/seeds', 'done');
+  await whole(page);
+  const sphere = await pictureNow(page);
+  await hold(page, handle(page, /^Change the radius of seeds/), { x: 30, y: 4 });
+  await expect.poll(() => field(page, 'radius')).not.toBe('');
+  await other(page, sphere);
+  await page.mouse.up();
+  const radius = Number(await field(page, 'radius'));
+  expect(radius).toBeGreaterThan(0.55);
+  expect(radius).toBeLessThan(0.9);
+  await hold(page, handle(page, /^Move the sphere of seeds/), { x: 25, y: -20 });
+  await page.mouse.up();
+  await expect.poll(async () => (await numbers('center')).length).toBe(3);
+  expect(Number(await field(page, 'radius'))).toBe(radius);
+  await handle(page, /^Change the radius of seeds/).focus();
+  await page.keyboard.press('ArrowLeft');
+  await expect.poll(() => field(page, 'radius').then(Number)).toBeCloseTo(radius - 0.035, 2);
+  await state(page, 'Datasets/seeds', 'done');
+  await whole(page);
+  await page.screenshot({ path: join(inject('pictures'), 'seeds-sphere.png') });
   await finish(page);
 });
 

@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page beside a simulation that runs, in several windows, and for those who may only look.
 import { type ChildProcess, spawn } from 'node:child_process';
-import { mkdirSync, readFileSync } from 'node:fs';
-import { join } from 'node:path';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { basename, join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, connect, openFile, saved, savedPicture, seriousFindings, whole } from './browser';
+import {
+  Browser,
+  canvasOf,
+  openFile,
+  openPage,
+  saved,
+  savedPicture,
+  seriousFindings,
+  whole,
+} from './browser';
 import { openGraphFile, select, setProperty, state } from './canvas';
 import { decodePng, type Pixels } from './png';
 import { Server } from './server';
@@ -36,7 +45,7 @@ function simulate(name: string): ChildProcess {
 }
 
 async function opened(url = server.ticketUrl()): Promise<Page> {
-  return connect(await browser.page(1280, 800), url);
+  return openPage(await browser.page(1280, 800), url);
 }
 
 const SCENE = {
@@ -284,8 +293,7 @@ it('a series of files is gone through by slider, keys and play, in a view and in
   await expect.poll(shown).toBe('step 4 of 5');
   await page.screenshot({ path: join(inject('pictures'), 'series.png') });
   expect(await seriousFindings(page)).toEqual([]);
-  // What is saved names the file of the step, and has its picture. The camera was fitted before the line took its place.
-  await page.locator('.view:not([hidden]) .picture').press('x');
+  // What is saved names the file of the step, and has its picture. Its camera is what gxyrender fits to a picture of this size.
   await expect.poll(() => server.say('info wave')['text']).toContain('wave_0003.vti');
   await whole(page);
   const state_ = JSON.parse((await saved(page, 'Save state file')).content.toString()) as Record<
@@ -317,6 +325,43 @@ it('a series of files is gone through by slider, keys and play, in a view and in
   await expect.poll(() => line.last().locator('.series-step').innerText()).toBe('step 1 of 5');
   await line.last().getByRole('button', { name: 'Next step' }).click();
   await expect.poll(() => line.last().locator('.series-step').innerText()).toBe('step 2 of 5');
+  browser.check();
+  await page.context().close();
+});
+
+it('a collection is a series, with the files and times that it says', async () => {
+  mkdirSync(join(server.folder, 'run'), { recursive: true });
+  const files = ['late.vti', 'early.vti'];
+  for (const [i, name] of files.entries())
+    server.make('gxydata', 'turbulence', '-r', '16', '--seed', String(2 + 2 * i), `run/${name}`);
+  const entry = (time: number, file: string): string =>
+    `<DataSet timestep="${time}" part="0" file="${file}"/>`;
+  const entries = entry(0.25, 'early.vti') + entry(1.5, 'late.vti');
+  writeFileSync(
+    join(server.folder, 'run/story.pvd'),
+    `<?xml version="1.0"?><VTKFile type="Collection"><Collection>${entries}</Collection></VTKFile>`,
+  );
+  const page = await opened();
+  await page.getByRole('button', { name: 'Browse files' }).click();
+  await page.getByRole('button', { name: 'Open folder run', exact: true }).click();
+  await page.getByRole('button', { name: 'View file story.pvd' }).click();
+  const line = page.getByRole('group', { name: 'Steps of story.pvd' });
+  const shown = (): Promise<string> => line.locator('.series-step').innerText();
+  await expect.poll(shown).toBe('step 1 of 2, time 0.25');
+  await whole(page);
+  const first = await savedPicture(page);
+  await line.getByRole('button', { name: 'Last step' }).click();
+  await expect.poll(shown).toBe('step 2 of 2, time 1.5');
+  await expect
+    .poll(async () => {
+      await whole(page);
+      return (await savedPicture(page)).rgba.equals(first.rgba);
+    })
+    .toBe(false);
+  const { Datasets } = JSON.parse((await saved(page, 'Save state file')).content.toString()) as {
+    Datasets: { filename: string }[];
+  };
+  expect(Datasets.map(({ filename }) => basename(filename))).toEqual(['late.vti']);
   browser.check();
   await page.context().close();
 });

@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, connect, saved, savedPicture, seriousFindings, whole } from './browser';
+import { Browser, canvasOf, openPage, saved, savedPicture, seriousFindings, whole } from './browser';
 import { card, openGraphFile, savedGraph, state } from './canvas';
 import { decodePng } from './png';
 import { Server } from './server';
@@ -46,7 +46,7 @@ afterAll(async () => {
 
 async function opened(scheme: 'light' | 'dark'): Promise<Page> {
   const page = await browser.page(1280, 800, 1, scheme);
-  await connect(page, server.ticketUrl());
+  await openPage(page, server.ticketUrl());
   await openGraphFile(page, server.file('cloud.json', JSON.stringify(DOCUMENT)));
   await state(page, 'Visualizations/view', 'done');
   await card(page, 'Operators/cloud').locator('.card-title').click();

@@ -6,7 +6,16 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Locator, Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, connect, openFile, saved, savedPicture, seriousFindings, whole } from './browser';
+import {
+  Browser,
+  canvasOf,
+  openFile,
+  openPage,
+  saved,
+  savedPicture,
+  seriousFindings,
+  whole,
+} from './browser';
 import { card, figure1, openGraphFile, publishFigure1, renderedFigure, savedGraph, state } from './canvas';
 import { decodePng, type Pixels } from './png';
 import { Server } from './server';
@@ -32,7 +41,7 @@ async function opened(
   scale = 1,
   scheme: 'light' | 'dark' = 'light',
 ): Promise<Page> {
-  return connect(await browser.page(width, height, scale, scheme), server.ticketUrl());
+  return openPage(await browser.page(width, height, scale, scheme), server.ticketUrl());
 }
 
 async function finish(page: Page): Promise<void> {

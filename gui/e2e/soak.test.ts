@@ -9,7 +9,7 @@ import { join } from 'node:path';
 import { setTimeout as sleep } from 'node:timers/promises';
 import { type Browser as Chromium, chromium, type Page } from 'playwright-core';
 import { expect, inject, it } from 'vitest';
-import { connect, openFile } from './browser';
+import { openFile, openPage } from './browser';
 import { Server } from './server';
 
 const MINUTE = 60_000;
@@ -71,7 +71,7 @@ it.runIf(inject('soak') > 0)(
     );
     try {
       const page = await browser.newPage({ viewport: { width: 640, height: 480 } });
-      await connect(page, server.ticketUrl());
+      await openPage(page, server.ticketUrl());
       await openFile(page, server.file('live.json', JSON.stringify(SCENE)));
       const samples: Sample[] = [];
       for (let minute = 0; minute <= inject('soak'); minute++) {

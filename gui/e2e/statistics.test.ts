@@ -3,7 +3,7 @@
 import { join } from 'node:path';
 import type { Locator, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
-import { Browser, connect, seriousFindings, whole } from './browser';
+import { Browser, openPage, seriousFindings, whole } from './browser';
 import { figure1, openGraphFile, publishFigure1 } from './canvas';
 import { Server } from './server';
 
@@ -38,7 +38,7 @@ async function opened(scheme: 'light' | 'dark'): Promise<Page> {
       post.call(this, message, more);
     };
   });
-  return connect(page, server.ticketUrl());
+  return openPage(page, server.ticketUrl());
 }
 
 const openTab = (page: Page) => page.getByRole('tab', { name: 'Statistics' }).click();

@@ -10,7 +10,7 @@ import { afterAll, beforeAll, expect, inject, it } from 'vitest';
 import { type Edit, applied } from '../src/graph/edits';
 import { type Json, type JsonObject, equal } from '../src/graph/json';
 import { randomEdit, randomNumbers } from '../src/graph/testing';
-import { Browser, connect } from './browser';
+import { Browser, openPage } from './browser';
 import { Proxy } from './proxy';
 import { Server } from './server';
 import { PageSession } from './session';
@@ -110,7 +110,7 @@ class PageEditor extends Editor {
   static async open(seed: number): Promise<PageEditor> {
     const proxy = await Proxy.to(server.url);
     const page = await browser.page(1280, 800);
-    await connect(page, proxy.through(server.ticketUrl()));
+    await openPage(page, proxy.through(server.ticketUrl()));
     await page.locator('.graph-bar select').selectOption(GRAPH);
     await page.getByText('ball', { exact: true }).first().waitFor();
     return new PageEditor(proxy, page, await PageSession.of(page), randomNumbers(seed));

@@ -4,7 +4,7 @@
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
-import { Browser, connect, whole } from './browser';
+import { Browser, openPage, whole } from './browser';
 import { card, drag, edges, openGraphFile, port, publishFigure1, select, setProperty, state } from './canvas';
 import { Server, trialModules } from './server';
 
@@ -47,7 +47,7 @@ afterAll(async () => {
 });
 
 async function opened(): Promise<Page> {
-  return connect(await browser.page(1280, 800), server.ticketUrl());
+  return openPage(await browser.page(1280, 800), server.ticketUrl());
 }
 
 /** What the server says of the datasets: their states, by name. */

@@ -4,7 +4,16 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
-import { Browser, canvasOf, connect, openFile, saved, savedPicture, seriousFindings, whole } from './browser';
+import {
+  Browser,
+  canvasOf,
+  openFile,
+  openPage,
+  saved,
+  savedPicture,
+  seriousFindings,
+  whole,
+} from './browser';
 import { decodePng } from './png';
 import { Server } from './server';
 
@@ -24,7 +33,7 @@ async function open(
   scale = 1,
   scheme: 'light' | 'dark' = 'light',
 ): Promise<Page> {
-  return connect(await browser.page(width, height, scale, scheme), server.ticketUrl());
+  return openPage(await browser.page(width, height, scale, scheme), server.ticketUrl());
 }
 
 it('data that others import appear in the list, and one press shows them', async () => {

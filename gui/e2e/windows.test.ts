@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, inject, it } from 'vitest';
 import { randomNumbers } from '../src/graph/testing';
-import { Browser, canvasOf, connect, openFile, whole } from './browser';
+import { Browser, canvasOf, openFile, openPage, whole } from './browser';
 import { card, openGraphFile, select, state, intoSight } from './canvas';
 import { decodePng, type Pixels } from './png';
 import { Server } from './server';
@@ -37,7 +37,7 @@ afterAll(async () => {
 });
 
 async function opened(width: number, height: number, scale = 1): Promise<Page> {
-  return connect(await browser.page(width, height, scale), server.ticketUrl());
+  return openPage(await browser.page(width, height, scale), server.ticketUrl());
 }
 
 const sizeOf = ({ width, height }: { width: number; height: number }): number[] => [width, height];

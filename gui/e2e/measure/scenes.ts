@@ -2,7 +2,7 @@
 // What is shown while it is measured, and how a page comes to show nothing but it.
 import type { Page } from 'playwright-core';
 import type { Browser } from '../browser';
-import { canvasOf, connect } from '../browser';
+import { canvasOf, openPage } from '../browser';
 import type { Server } from '../server';
 import { recordIn } from './recorder';
 
@@ -34,7 +34,7 @@ export async function connected(
 ): Promise<Page> {
   const page = await browser.page(...size);
   await recordIn(page);
-  return connect(page, to(server.ticketUrl()));
+  return openPage(page, to(server.ticketUrl()));
 }
 
 /** Has the page begin anew as a window of nothing but a view, as if it had never been here. */

@@ -2,15 +2,17 @@
 import { describe, expect, it } from 'vitest';
 import type { JsonObject } from '../graph/json';
 import type { Box, Camera } from '../view/camera';
-import type { Vec3 } from '../view/vector';
+import { length, subtract, type Vec3 } from '../view/vector';
 import { looksOf } from './looks';
 import { project, projectionOf } from './projection';
 import {
   boxJson,
   boxMoved,
+  linesOf,
   middleOfSide,
   motionInPicture,
   pointMoved,
+  radiusMoved,
   seedsIn,
   shapeOf,
   SIDES,
@@ -60,11 +62,34 @@ describe('the shape of seeds', () => {
       to: [9, 9, 9],
     });
   });
+  it('is a sphere in the middle of the domain, with a quarter of its shortest side as radius, where these are not said', () => {
+    expect(shapeOf({ shape: 'sphere' }, DOMAIN)).toEqual({ kind: 'sphere', center: [0, 0, 1], radius: 0.5 });
+    const said = { shape: 'sphere', center: [1, 2, 3], radius: 0 };
+    expect(shapeOf(said, undefined)).toEqual({ kind: 'sphere', center: [1, 2, 3], radius: 0 });
+  });
   it('is nothing that can be held if it is another one, or not known, or wrong', () => {
-    expect(shapeOf({ shape: 'sphere' }, DOMAIN)).toBe(undefined);
+    expect(shapeOf({ shape: 'points' }, DOMAIN)).toBe(undefined);
+    expect(shapeOf({ shape: 'sphere', center: [0, 0, 0] }, undefined)).toBe(undefined);
+    expect(shapeOf({ shape: 'sphere', radius: -1 }, DOMAIN)).toBe(undefined);
     expect(shapeOf({ shape: 'line', from: [0, 0, 0] }, undefined)).toBe(undefined);
     expect(shapeOf({ box: [1, 0, 2, 3, 4, 5] }, DOMAIN)).toBe(undefined);
     expect(shapeOf({ box: [1, 2, 'x', 3, 4, 5] }, DOMAIN)).toBe(undefined);
+  });
+});
+
+describe('the lines of a shape', () => {
+  it('are closed circles across the axes, on the sphere', () => {
+    const center: Vec3 = [1, -2, 3];
+    const lines = linesOf({ kind: 'sphere', center, radius: 0.5 });
+    for (const [from] of lines) expect(length(subtract(from, center))).toBeCloseTo(0.5, 12);
+    for (const axis of [0, 1, 2] as const) {
+      const circle = lines.filter((ends) => ends.every((end) => end[axis] === center[axis]));
+      expect(circle).toHaveLength(lines.length / 3);
+      circle.forEach(([from], i) => {
+        const before = circle.at(i - 1)?.[1] ?? center;
+        expect(length(subtract(from, before))).toBeLessThan(1e-12);
+      });
+    }
   });
 });
 
@@ -77,6 +102,10 @@ describe('a hand', () => {
       const far = withSideMoved(DOMAIN, side, side.end === 0 ? 1e3 : -1e3, 0.001);
       expect(far[0][side.axis]).toBe(far[1][side.axis]);
     }
+  });
+  it('changes the radius of a sphere to round numbers, down to nothing', () => {
+    expect(radiusMoved(0.5, 0.12345, 0.01)).toBe(0.62);
+    expect(radiusMoved(0.5, -3, 0.01)).toBe(0);
   });
   it('moves the box and the ends of the line as a whole, to round numbers', () => {
     expect(boxJson(boxMoved(DOMAIN, [0.12345, 0, 1], 0.01))).toEqual([-0.88, 1.12, -2, 2, -2, 6]);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes and lines of the filter `Seeds`, in which it makes points: where they are in the world, and how a hand moves them.
+// Boxes, spheres and lines of the filter `Seeds`, in which it makes points: where they are in the world, and how a hand moves them.
 import type { Path } from '../graph/edits';
 import { isList, type Json, type JsonObject, member, namesIn, objectsIn, textOf } from '../graph/json';
 import { idOf as nodeIdOf } from '../graph/nodes';
 import type { Box } from '../view/camera';
-import { add, scale, type Vec3 } from '../view/vector';
+import { add, scale, subtract, type Vec3 } from '../view/vector';
 import type { Look } from './looks';
-import { roundedTo } from './plane';
+import { edgesOf, middleOf, roundedTo } from './plane';
 import { pixelAt, type Point, type Projection } from './projection';
 
 /** A node of the filter. */
@@ -20,6 +20,7 @@ export interface SeedsNode {
 
 export type SeedsShape =
   | { readonly kind: 'box'; readonly box: Box }
+  | { readonly kind: 'sphere'; readonly center: Vec3; readonly radius: number }
   | { readonly kind: 'line'; readonly from: Vec3; readonly to: Vec3 };
 
 /** The Seeds of a graph that are selected, or whose points a selected look shows. */
@@ -64,13 +65,40 @@ export function shapeOf(entry: JsonObject, domain: Box | undefined): SeedsShape 
     const box = said === undefined ? domain : boxFrom(said);
     return box && { kind: 'box', box };
   }
-  if (shape !== 'line') return undefined;
-  const end = (key: string, preset: Vec3 | undefined): Vec3 | undefined =>
+  const point = (key: string, preset: Vec3 | undefined): Vec3 | undefined =>
     member(entry, key) === undefined
       ? preset
       : (numbersIn(member(entry, key), 3) as unknown as Vec3 | undefined);
-  const [from, to] = [end('from', domain?.[0]), end('to', domain?.[1])];
+  if (shape === 'sphere') {
+    const center = point('center', domain && middleOf(domain));
+    const radius = radiusFrom(member(entry, 'radius'), domain);
+    return center && radius !== undefined ? { kind: 'sphere', center, radius } : undefined;
+  }
+  if (shape !== 'line') return undefined;
+  const [from, to] = [point('from', domain?.[0]), point('to', domain?.[1])];
   return from && to && { kind: 'line', from, to };
+}
+
+/** As the document says it, else a quarter of the shortest side of the domain, as the filter takes it. */
+function radiusFrom(value: Json | undefined, domain: Box | undefined): number | undefined {
+  if (value !== undefined) return typeof value === 'number' && value >= 0 ? value : undefined;
+  return domain && Math.min(...subtract(domain[1], domain[0])) / 4;
+}
+
+const ARCS = 48; // of a circle, which is drawn as so many lines
+
+/** The lines by which a shape is drawn: the edges of a box, the circles of a sphere across the three axes. */
+export function linesOf(shape: SeedsShape): readonly (readonly [Vec3, Vec3])[] {
+  if (shape.kind === 'box') return edgesOf(shape.box);
+  if (shape.kind === 'line') return [[shape.from, shape.to]];
+  const { center, radius } = shape;
+  const at = (axis: number, arc: number): Vec3 => {
+    const angle = (2 * Math.PI * arc) / ARCS;
+    const around = [0, radius * Math.cos(angle), radius * Math.sin(angle)];
+    return add(center, [0, 1, 2].map((i) => around[(i + 3 - axis) % 3]) as unknown as Vec3);
+  };
+  const arcs = Array.from({ length: ARCS }, (_, i) => i);
+  return [0, 1, 2].flatMap((axis) => arcs.map((i) => [at(axis, i), at(axis, i + 1)] as const));
 }
 
 export type Axis = 0 | 1 | 2;
@@ -108,6 +136,10 @@ export const boxMoved = ([low, high]: Box, by: Vec3, step: number): Box => [
   pointMoved(low, by, step),
   pointMoved(high, by, step),
 ];
+
+/** `step`: what the last digit is worth. */
+export const radiusMoved = (radius: number, by: number, step: number): number =>
+  Math.max(0, roundedTo(radius + by, step));
 
 /** How far a point goes in the world that a hand moves in the plane of the picture. */
 export function motionInPicture(view: Projection, point: Vec3, from: Point, to: Point): Vec3 {

@@ -1,21 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// The box or the line of Seeds in the picture. Grips move the sides of the box, the box itself, and the ends of the line.
+// The box, the sphere or the line of Seeds in the picture. Grips move the sides of the box, the box itself, the middle of the sphere and
+// its radius, and the ends of the line.
 import type { KeyboardEvent } from 'react';
 import type { Path } from '../graph/edits';
 import type { Json } from '../graph/json';
 import type { Box } from '../view/camera';
-import { scale, type Vec3 } from '../view/vector';
+import { add, scale, type Vec3 } from '../view/vector';
 import { stepsOf, useHand } from './hand';
 import type { HandEdits } from './hand_edits';
-import { diagonalOf, edgesOf, middleOf, motionAlong } from './plane';
-import { type Point, project, projectLine, type Projection } from './projection';
+import { diagonalOf, middleOf, motionAlong } from './plane';
+import { pixelAt, type Point, project, projectLine, type Projection } from './projection';
 import {
   boxJson,
   boxMoved,
+  linesOf,
   middleOfSide,
   motionInPicture,
   pointMoved,
+  radiusMoved,
   type SeedsNode,
+  type SeedsShape,
   type Side,
   SIDES,
   shapeOf,
@@ -24,6 +28,7 @@ import {
 import './seeds_handle.css';
 import { useDomainBox } from './use_domain_box';
 
+const APART = 20; // pixels between the middle of a sphere and the grip of its radius, at least
 const AXES = ['x', 'y', 'z'] as const;
 const UNITS: readonly Vec3[] = [
   [1, 0, 0],
@@ -44,13 +49,12 @@ export function SeedsHandle(props: SeedsHandleProps) {
   const { of, view, box, canEdit } = props;
   const shape = shapeOf(of.entry, useDomainBox(of.domain));
   if (!shape) return null;
-  const edges = shape.kind === 'box' ? edgesOf(shape.box) : [[shape.from, shape.to] as const];
-  const path = edges
+  const path = linesOf(shape)
     .map(([from, to]) => projectLine(view, from, to))
     .map((line) => (line ? `M${line[0].x} ${line[0].y}L${line[1].x} ${line[1].y}` : ''))
     .join('');
   const unit = diagonalOf(box) / 100;
-  const name = project(view, shape.kind === 'box' ? middleOf(shape.box) : shape.from);
+  const name = project(view, anchorOf(shape));
   return (
     <g className="seeds" data-seeds={of.name}>
       <path className="halo" d={path} />
@@ -68,6 +72,20 @@ export function SeedsHandle(props: SeedsHandleProps) {
               {...{ ...props, unit, side, seeds: shape.box, path: [...of.path, 'box'] }}
             />
           ))}
+        </>
+      )}
+      {canEdit && shape.kind === 'sphere' && (
+        <>
+          <PointGrip
+            {...{ ...props, unit, point: shape.center, path: [...of.path, 'center'] }}
+            label={`Move the sphere of ${of.name}`}
+            moved={(by) => [...pointMoved(shape.center, by, unit / 100)]}
+          />
+          <RadiusGrip
+            {...{ ...props, unit, path: [...of.path, 'radius'] }}
+            center={shape.center}
+            radius={shape.radius}
+          />
         </>
       )}
       {canEdit && shape.kind === 'line' && (
@@ -89,6 +107,12 @@ export function SeedsHandle(props: SeedsHandleProps) {
       )}
     </g>
   );
+}
+
+/** Where the shape's name stands. */
+function anchorOf(shape: SeedsShape): Vec3 {
+  if (shape.kind === 'box') return middleOf(shape.box);
+  return shape.kind === 'sphere' ? shape.center : shape.from;
 }
 
 interface GripProps extends SeedsHandleProps {
@@ -146,6 +170,34 @@ function SideGrip({
   const label = `Move the ${end === 0 ? 'lower' : 'upper'} ${AXES[axis]} side of ${of.name}`;
   const value = { role: 'slider', 'aria-valuenow': seeds[end][axis] };
   return at && <Grip at={at} label={label} hand={{ ...value, ...hand }} />;
+}
+
+/** The point of the sphere that is right of its middle in the picture. It moves to the side, and the radius with it. */
+function RadiusGrip({
+  of,
+  view,
+  hands,
+  unit,
+  path,
+  center,
+  radius,
+}: GripProps & { readonly center: Vec3; readonly radius: number }) {
+  const moved = (by: number): Json => radiusMoved(radius, by, unit / 100);
+  function byKey(event: KeyboardEvent): boolean {
+    const steps = stepsOf(event);
+    if (steps !== 0) hands.step(path, moved(steps * unit));
+    return steps !== 0;
+  }
+  const hand = useHand(
+    hands,
+    path,
+    (from) => (to) => moved(motionAlong(view, center, view.right, from, to)),
+    byKey,
+  );
+  const away = Math.max(radius, APART * pixelAt(view, center));
+  const at = project(view, add(center, scale(view.right, away)));
+  const value = { role: 'slider', 'aria-valuenow': radius, 'aria-valuemin': 0 };
+  return at && <Grip at={at} label={`Change the radius of ${of.name}`} hand={{ ...value, ...hand }} />;
 }
 
 function Grip({ at, label, hand }: { at: Point; label: string; hand: object }) {
