@@ -27,7 +27,7 @@ import {
   useState,
 } from 'react';
 import { type Position, positionOf } from '../graph/changes';
-import { type GraphEdge, type NodeGraph, edgeProblem } from '../graph/nodes';
+import { type GraphEdge, type GraphNode, type NodeGraph, edgeProblem } from '../graph/nodes';
 import { type GraphSnapshot, VIEW_ONLY } from '../graph/session';
 import {
   addItem,
@@ -98,9 +98,9 @@ function cardsOf(
 }
 
 function isSame(a: CardData, b: CardData): boolean {
-  const ports = (d: CardData): string =>
-    JSON.stringify([d.node.inputs, d.node.gives, d.node.isKnown, d.problems]);
-  return a.state === b.state && a.node.entry === b.node.entry && ports(a) === ports(b);
+  const ports = ({ inputs, gives, isKnown }: GraphNode): string => JSON.stringify([inputs, gives, isKnown]);
+  const isSameNode = a.node === b.node || (a.node.entry === b.node.entry && ports(a.node) === ports(b.node));
+  return isSameNode && a.state === b.state && JSON.stringify(a.problems) === JSON.stringify(b.problems);
 }
 
 function edgesOf(graph: NodeGraph, before: readonly Edge[]): Edge[] {
@@ -143,7 +143,7 @@ function Canvas() {
   if (snapshot && [graph, snapshot, selection].some((part, i) => part !== followed[i])) {
     setFollowed([graph, snapshot, selection]);
     setCards(cardsOf(graph, snapshot, cards, selection));
-    setEdges(edgesOf(graph, edges));
+    if (graph !== followed[0]) setEdges(edgesOf(graph, edges));
   }
 
   const isLoaded = snapshot?.isLoaded === true;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the graph's parts of the page share: which graph is open, which nodes are selected, and what the server has to offer.
-import { useMemo, useSyncExternalStore } from 'react';
+import { useSyncExternalStore } from 'react';
 import { create } from 'zustand';
 import { type Catalogue, DATA_TYPES, type DataType, EMPTY_CATALOGUE, catalogueOf } from '../graph/catalogue';
-import { type Json, member, objectsIn, textOf } from '../graph/json';
+import { type Json, type JsonObject, member, objectsIn, textOf } from '../graph/json';
 import { type LiveTypes, type NodeGraph, nodesOf } from '../graph/nodes';
 import { type GraphSnapshot, GraphSession, messageOf } from '../graph/session';
 import type { Connection } from '../wire/connection';
@@ -142,14 +142,20 @@ export function liveTypes(live: readonly LiveDataset[]): LiveTypes {
 
 const NO_NODES: NodeGraph = { nodes: [], byId: new Map(), edges: [] };
 
+let newest: { readonly from: readonly unknown[]; readonly graph: NodeGraph } | undefined;
+
+/** Components that ask for the nodes of one document get the same object, which is made once. */
+function nodeGraph(document: JsonObject, catalogue: Catalogue, live: readonly LiveDataset[]): NodeGraph {
+  const from = [document, catalogue, live];
+  if (!newest || from.some((part, i) => part !== newest?.from[i]))
+    newest = { from, graph: nodesOf(document, catalogue, liveTypes(live)) };
+  return newest.graph;
+}
+
 /** The nodes of the graph that is open. */
 export function useNodeGraph(): NodeGraph {
   const document = useSnapshot()?.document;
   const catalogue = useGraphStore((s) => s.catalogue);
   const live = useGraphStore((s) => s.live);
-  const types = useMemo(() => liveTypes(live), [live]);
-  return useMemo(
-    () => (document ? nodesOf(document, catalogue, types) : NO_NODES),
-    [document, catalogue, types],
-  );
+  return document ? nodeGraph(document, catalogue, live) : NO_NODES;
 }

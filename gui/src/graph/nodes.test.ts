@@ -198,6 +198,22 @@ describe('nodes of figure 1', () => {
   });
 });
 
+it('the names of a document are read a few times, however many nodes it has', () => {
+  const readsOf = (count: number): number => {
+    let reads = 0;
+    const Datasets = Array.from({ length: count }, (_, i) => ({
+      get name() {
+        reads++;
+        return `n${i}`;
+      },
+      ...{ type: 'Volume', filter: 'Derive', inputs: { f: `n${i - 1}`, g: 'n0' } },
+    }));
+    nodesOf({ Datasets }, catalogue, new Map());
+    return reads / count;
+  };
+  expect(readsOf(300)).toBe(readsOf(30));
+});
+
 describe('nodes', () => {
   it('that this server does not know keep all that is said of them', () => {
     const document: JsonObject = {

@@ -61,6 +61,7 @@ export const ofTypes = (entry: Json): readonly PortType[] =>
 class Reading {
   private readonly datasets: ReadonlyMap<string, JsonObject>;
   private readonly types = new Map<string, DataType | undefined>();
+  private readonly named = new Map<Section, ReadonlySet<string>>();
   readonly nodes: GraphNode[] = [];
 
   constructor(
@@ -105,8 +106,14 @@ class Reading {
     return type;
   }
 
+  private namesOf(section: Section): ReadonlySet<string> {
+    const names = this.named.get(section) ?? new Set(this.entries(section).map((e) => e.name));
+    this.named.set(section, names);
+    return names;
+  }
+
   private sources(section: Section, names: readonly string[]): NodeInput['sources'] {
-    const known = new Set(this.entries(section).map((e) => e.name));
+    const known = this.namesOf(section);
     return names.map((name) => ({ name, node: known.has(name) ? idOf(section, name) : undefined }));
   }
 
@@ -181,7 +188,7 @@ class Reading {
 
   private view(entry: JsonObject, name: string): void {
     const operators = member(entry, 'operators');
-    const known = new Set(this.entries('Operators').map((e) => e.name));
+    const known = this.namesOf('Operators');
     const sources = (isList(operators) ? operators : []).map((operator, i) => {
       if (typeof operator === 'string')
         return { name: operator, node: known.has(operator) ? idOf('Operators', operator) : undefined };
