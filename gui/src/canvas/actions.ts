@@ -132,7 +132,7 @@ const TEXT = 90; // of what a card says is missing, at most
 
 function sizeOf(node: GraphNode): Size {
   const isMissing = node.inputs.some((i) => !i.isOptional && !i.isAnyName && i.sources.length === 0);
-  const height = heightOf(node.inputs.length) + (isMissing ? TEXT : 0);
+  const height = heightOf(node) + (isMissing ? TEXT : 0);
   return cardSizes.get(node.id) ?? { width: WIDTH, height };
 }
 

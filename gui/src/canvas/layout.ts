@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Places of nodes: each to the right of what it is made of.
 import type { Position } from '../graph/changes';
-import type { NodeGraph } from '../graph/nodes';
+import type { GraphNode, NodeGraph } from '../graph/nodes';
+import { kindOf } from './titles';
 
 export const COLUMN = 226;
 const GAP = 28;
 
+const IN_A_LINE = 19; // letters of a node's kind and of what it gives, about
+
 /** How high a card is, as far as it can be told before it is drawn. */
-export function heightOf(inputs: number): number {
-  return 92 + 25 * inputs;
+export function heightOf(node: GraphNode): number {
+  const isInALine = kindOf(node).length + (node.gives?.length ?? 0) <= IN_A_LINE;
+  return (isInALine ? 92 : 113) + 25 * node.inputs.length;
 }
 
 /** Places for the nodes that have none, in columns by their distance from the sources, below what is there. */
@@ -17,7 +21,8 @@ export function placesFor(graph: NodeGraph, known: ReadonlyMap<string, Position>
   const bottoms = new Map<number, number>();
   for (const [id, [x, y]] of known) {
     const column = Math.round(x / COLUMN);
-    const bottom = y + heightOf(graph.byId.get(id)?.inputs.length ?? 0) + GAP;
+    const node = graph.byId.get(id);
+    const bottom = y + (node ? heightOf(node) : 0) + GAP;
     bottoms.set(column, Math.max(bottoms.get(column) ?? 0, bottom));
   }
   const places = new Map<string, Position>();
@@ -26,7 +31,7 @@ export function placesFor(graph: NodeGraph, known: ReadonlyMap<string, Position>
     const column = columns.get(node.id) ?? 0;
     const y = bottoms.get(column) ?? 0;
     places.set(node.id, [column * COLUMN, y]);
-    bottoms.set(column, y + heightOf(node.inputs.length) + GAP);
+    bottoms.set(column, y + heightOf(node) + GAP);
   }
   return places;
 }
@@ -60,7 +65,7 @@ export async function arranged(
   plan.setDefaultEdgeLabel(() => ({}));
   for (const node of graph.nodes)
     plan.setNode(node.id, {
-      ...(sizes.get(node.id) ?? { width: 190, height: heightOf(node.inputs.length) }),
+      ...(sizes.get(node.id) ?? { width: 190, height: heightOf(node) }),
     });
   for (const edge of graph.edges) plan.setEdge(edge.source, edge.target, {}, edge.id);
   dagre.layout(plan);
