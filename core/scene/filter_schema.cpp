@@ -174,7 +174,10 @@ const Schema<DatasetSpec>& filterEntrySchema() {
       {
           textKey("name", &D::name, "What operators and other filters call it; each name once."),
           customKey<D>("type", "Volume, Particles, PathLines or Triangles", "What the filter makes.",
-                       readDatasetType, [](const D& d) { return OrderedJson(gxy::namesOf(bitOf(d.type))); })
+                       readDatasetType,
+                       [](const D& d) {
+                         return d.typeIsKnown ? OrderedJson(gxy::namesOf(bitOf(d.type))) : OrderedJson();
+                       })
               .byDefault("what the filter makes"),
           customKey<D>(
               "filter", "text", "The name of a filter.", [](const Found& f, D& d) { d.filter = f.text(); },
@@ -197,6 +200,7 @@ DatasetSpec readFilterEntry(const Found& item) {
   if (dataset.filter.empty())
     item.context.fail(item.value.find("filter")->at, "`filter`: expected a name, found an empty text");
   if (!item.context.filters) {
+    dataset.typeIsKnown = item.value.find("type") != nullptr;
     if (!own.object()->empty())
       dataset.properties = jsonOf(own).dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
     return dataset;

@@ -55,7 +55,7 @@ void readDataset(const Found& found, Vis& vis) {
     std::vector<std::string> names;
     for (const DatasetSpec& d : all) names.push_back(d.name);
     found.warn("no dataset " + inQuotes(vis.dataset) + " in this file" + suggestion(vis.dataset, names));
-  } else if (unsigned(it->type) != unsigned(vis.type)) {
+  } else if (it->typeIsKnown && unsigned(it->type) != unsigned(vis.type)) {
     found.fail(std::string("a dataset of type ") + typeName(vis.type));
   }
 }

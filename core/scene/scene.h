@@ -166,6 +166,8 @@ struct DatasetSpec {
   std::string filter{};               ///< name of the filter that makes it
   std::vector<FilterInput> inputs{};  ///< of the filter
   std::string properties{};           ///< the filter's own keys: the text of a JSON object
+  /// False if the entry has no `type` and its reader does not know the filter, which has the type then.
+  bool typeIsKnown = true;
 
   bool isLive() const { return filename.empty() && filter.empty(); }
   bool operator==(const DatasetSpec&) const = default;

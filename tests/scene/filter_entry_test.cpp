@@ -102,6 +102,24 @@ TEST(FilterEntry, OfAnUnknownFilterIsKeptAsItIsWhereNobodyEvaluatesIt) {
   EXPECT_TRUE(readState(writeState(file.state), "s").state == file.state);
 }
 
+TEST(FilterEntry, WithoutATypeIsShownByAnyOperatorWhereNobodyKnowsTheFilter) {
+  const auto read = [](const std::string& type) {
+    return readState(
+        R"({"Datasets": [{"name": "x", )" + type + R"("filter": "Later", "inputs": {"q": ["a"]}}],
+                         "Visualizations": [{"operators": [{"type": "PathLines", "dataset": "x"}]}]})",
+        "s");
+  };
+  const StateFile file = read("");
+  EXPECT_TRUE(file.warnings.empty());
+  const std::string written = writeState(file.state);
+  EXPECT_EQ(written.find("Volume"), std::string::npos)
+      << "whoever knows the filter has its type: " << written;
+  EXPECT_TRUE(readState(written, "s").state == file.state);
+  EXPECT_TRUE(read(R"("type": "PathLines", )").warnings.empty());
+  EXPECT_NE(errorOf([&] { read(R"("type": "Volume", )"); }).find("expected a dataset of type PathLines"),
+            std::string::npos);
+}
+
 TEST(FilterEntry, InputsOfAnotherTypeAreErrorsThatNameBothSides) {
   DatasetSpec entry =
       readDatasetEntries(R"({"name": "b", "filter": "Shift", "inputs": {"field": "a"}})", "s", &kFilters)
