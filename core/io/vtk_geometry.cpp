@@ -147,11 +147,16 @@ class XmlReader final : public Reader {
   int ReadArrayValues(vtkXMLDataElement* element, vtkIdType at, vtkAbstractArray* array, vtkIdType from,
                       vtkIdType count, typename Reader::FieldType of) override {
     const auto type = scalarOfXmlWord(attribute(element, "type"));
-    // Bits, and pieces whose types differ, are left to VTK.
+    // Bits, and pieces whose types differ in size, are left to VTK.
     if (!type || int(bytesOf(*type)) != array->GetDataTypeSize() || from != 0)
       return Reader::ReadArrayValues(element, at, array, from, count, of);
     if (this->GetAbortExecute()) return 0;
     try {
+      // The array has the type of the first piece.
+      const bool isFloat = *type == ScalarType::Float32 || *type == ScalarType::Float64;
+      if (isFloat != (array->GetDataType() == VTK_FLOAT || array->GetDataType() == VTK_DOUBLE))
+        throw Error(xml_->path() + ": array '" + attribute(element, "Name") + "' is of type " +
+                    nameOf(*type) + " in one piece and of another one in another, expected one type");
       const auto values = static_cast<std::byte*>(array->GetVoidPointer(at));
       array->Modified();
       return readXmlArray(*xml_, element, *type, {values, size_t(count) * bytesOf(*type)});

@@ -2,7 +2,9 @@
 #include "core/io/vtk_xml_array.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cctype>
 #include <cstring>
 #include <limits>
 #include <vector>
@@ -26,6 +28,16 @@ ByteStreamPtr bytesFrom(const std::shared_ptr<const File>& file, Form form, int6
   std::byte before[kBytes];
   stream->read(std::span(before).first(size_t(from % kBytes)));
   return stream;
+}
+
+/// Whether some writer has broken base64 into lines. `position` is that of the first character.
+bool isInLines(const std::shared_ptr<const File>& file, int64_t position, int64_t bytes) {
+  constexpr int64_t kMostOfLine = 4096;
+  std::array<std::byte, size_t(kMostOfLine)> text;
+  const auto used = std::span(text).first(size_t(std::min((bytes + 2) / 3 * 4, kMostOfLine)));
+  const size_t n = fileBytes(file, position, int64_t(used.size()))->read(used);
+  return std::any_of(used.begin(), used.begin() + std::ptrdiff_t(n),
+                     [](std::byte c) { return std::isspace(int(c)) != 0; });
 }
 
 /// The first bytes of another stream.
@@ -74,9 +86,13 @@ class ArrayHeader {
 class Uncompressed final : public BlockedBytes {
  public:
   Uncompressed(std::shared_ptr<const File> file, XmlPlace place, int64_t header, int64_t bytes)
-      : file_(std::move(file)), place_(place), header_(header), bytes_(bytes) {}
+      : file_(std::move(file)), place_(place), header_(header), bytes_(bytes) {
+    // Nobody knows where a later block of lines begins.
+    if (place.form != Form::Raw && isInLines(file_, place.position, header + bytes))
+      blockBytes_ = std::max<int64_t>(bytes, 1);
+  }
   int64_t bytes() const override { return bytes_; }
-  int64_t blockBytes() const override { return int64_t(1) << 18; }
+  int64_t blockBytes() const override { return blockBytes_; }
   ByteStreamPtr open(int64_t block) const override {
     return bytesFrom(file_, place_.form, place_.position, header_ + block * blockBytes(), blockBytes());
   }
@@ -84,7 +100,7 @@ class Uncompressed final : public BlockedBytes {
  private:
   std::shared_ptr<const File> file_;
   XmlPlace place_;
-  int64_t header_, bytes_;
+  int64_t header_, bytes_, blockBytes_ = int64_t(1) << 18;
 };
 
 class Compressed final : public BlockedBytes {
@@ -98,6 +114,8 @@ class Compressed final : public BlockedBytes {
     blockBytes_ = int64_t(std::min<uint64_t>(size, uint64_t(std::max<int64_t>(bytes, 1))));
     starts_.push_back(0);
     for (uint64_t i = 0; i < blocks; ++i) starts_.push_back(starts_.back() + int64_t(header.word()));
+    if (place.form != Form::Raw && isInLines(file_, place.position, header.bytes() + starts_.back()))
+      throw Error(where_ + ": compressed base64 in lines, expected no white space between its characters");
     // The header is encoded separately from the data.
     place_.position += place.form == Form::Raw ? header.bytes() : (header.bytes() + 2) / 3 * 4;
   }

@@ -199,12 +199,12 @@ TEST_F(VtkXmlFile, CompressedMeshesAreReadInEveryForm) {
     }
 }
 
-TEST_F(VtkXmlFile, ManyPointsAreReadInEveryForm) {
-  constexpr vtkIdType kMany = 100'001;  // in several blocks of every form
-  const auto placeOf = [](vtkIdType i) {
-    return glm::dvec3(double(i) * 0.25, double(i % 977), -0.5 * double(i));
-  };
-  const auto valueOf = [](vtkIdType i) { return double(i % 1021) + 0.5; };
+constexpr vtkIdType kMany = 100'001;  // in several blocks of every form
+
+glm::dvec3 placeOf(vtkIdType i) { return {double(i) * 0.25, double(i % 977), -0.5 * double(i)}; }
+double valueOf(vtkIdType i) { return double(i % 1021) + 0.5; }
+
+vtkSmartPointer<vtkPolyData> manyPoints() {
   const auto points = vtkSmartPointer<vtkPoints>::New();
   const auto data = vtkSmartPointer<vtkDoubleArray>::New();
   data->SetName("data");
@@ -215,27 +215,87 @@ TEST_F(VtkXmlFile, ManyPointsAreReadInEveryForm) {
   const auto set = vtkSmartPointer<vtkPolyData>::New();
   set->SetPoints(points);
   set->GetPointData()->SetScalars(data);
+  return set;
+}
+
+void writeMany(const std::string& path, int mode, bool base64, bool compressed, bool big) {
+  const auto writer = vtkSmartPointer<vtkXMLPolyDataWriter>::New();
+  writer->SetFileName(path.c_str());
+  writer->SetInputData(manyPoints());
+  writer->SetDataMode(mode);
+  writer->SetEncodeAppendedData(base64);
+  compressed ? writer->SetCompressorTypeToZLib() : writer->SetCompressorTypeToNone();
+  if (big) writer->SetByteOrderToBigEndian();
+  ASSERT_EQ(writer->Write(), 1);
+}
+
+void expectMany(const std::string& path, const std::string& how) {
+  const GeometryBlock block = readGeometry(path, GeometryKind::Particles).block;
+  ASSERT_EQ(block.points.size(), size_t(kMany));
+  for (vtkIdType i = 0; i < kMany; ++i) {
+    ASSERT_EQ(block.points[size_t(i)], placeOf(i)) << i << " " << how;
+    ASSERT_EQ(block.values[size_t(i)], float(valueOf(i))) << i << " " << how;
+  }
+}
+
+TEST_F(VtkXmlFile, ManyPointsAreReadInEveryForm) {
   const std::string path = folder_ / "many.vtp";
   for (const auto& [mode, base64] :
        {std::pair{vtkXMLWriter::Ascii, false}, std::pair{vtkXMLWriter::Binary, false},
         std::pair{vtkXMLWriter::Appended, true}, std::pair{vtkXMLWriter::Appended, false}})
     for (const bool compressed : {false, true})
       for (const bool big : {false, true}) {
-        const auto writer = vtkSmartPointer<vtkXMLPolyDataWriter>::New();
-        writer->SetFileName(path.c_str());
-        writer->SetInputData(set);
-        writer->SetDataMode(mode);
-        writer->SetEncodeAppendedData(base64);
-        compressed ? writer->SetCompressorTypeToZLib() : writer->SetCompressorTypeToNone();
-        if (big) writer->SetByteOrderToBigEndian();
-        ASSERT_EQ(writer->Write(), 1);
-        const GeometryBlock block = readGeometry(path, GeometryKind::Particles).block;
-        ASSERT_EQ(block.points.size(), size_t(kMany));
-        for (vtkIdType i = 0; i < kMany; ++i) {
-          ASSERT_EQ(block.points[size_t(i)], placeOf(i)) << i << " " << mode << base64 << compressed << big;
-          ASSERT_EQ(block.values[size_t(i)], float(valueOf(i))) << i << " " << mode << base64 << compressed;
-        }
+        writeMany(path, mode, base64, compressed, big);
+        expectMany(path, std::to_string(mode) + (base64 ? " base64" : "") +
+                             (compressed ? " compressed" : "") + (big ? " big" : ""));
       }
+}
+
+// VTK itself writes no such lines.
+TEST_F(VtkXmlFile, Base64InLinesIsReadUnlessItIsCompressed) {
+  const std::string path = folder_ / "lines.vtp";
+  for (const bool compressed : {false, true}) {
+    writeMany(path, vtkXMLWriter::Binary, false, compressed, false);
+    std::string lines;
+    size_t inLine = 0;
+    for (const char c : readText(path)) {
+      const bool isDigit = std::isalnum(uint8_t(c)) != 0 || c == '+' || c == '/' || c == '=';
+      inLine = isDigit ? inLine + 1 : 0;
+      if (inLine > 76) lines += '\n', inLine = 1;
+      lines += c;
+    }
+    writeText(path, lines);
+    if (!compressed) {
+      expectMany(path, "lines");
+      continue;
+    }
+    EXPECT_THROW(readGeometry(path, GeometryKind::Particles), Error);
+  }
+}
+
+TEST_F(VtkXmlFile, PiecesThatHaveAnArrayAsFloatsAndAsIntegersAreAnError) {
+  const std::string path = folder_ / "two.vtp";
+  const auto piece = [](const char* type, const char* values) {
+    return std::string("<Piece NumberOfPoints=\"2\"><PointData Scalars=\"a\"><DataArray type=\"") + type +
+           "\" Name=\"a\" format=\"ascii\">" + values +
+           "</DataArray></PointData><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" "
+           "format=\"ascii\">0 0 0 1 1 1</DataArray></Points></Piece>";
+  };
+  const auto write = [&](const char* second) {
+    writeText(path, "<?xml version=\"1.0\"?><VTKFile type=\"PolyData\" version=\"1.0\"><PolyData>" +
+                        piece("Float32", "1 2.5") + piece(second, "3 4") + "</PolyData></VTKFile>");
+  };
+  write("Float32");
+  EXPECT_EQ(readGeometry(path, GeometryKind::Particles).block.values, (std::vector<float>{1, 2.5f, 3, 4}));
+  write("Int32");
+  try {
+    readGeometry(path, GeometryKind::Particles);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(
+        std::string(e.what()),
+        path + ": array 'a' is of type int32 in one piece and of another one in another, expected one type");
+  }
 }
 
 TEST_F(VtkXmlFile, CompressedImagesAreReadInEveryForm) {
