@@ -9,7 +9,7 @@ namespace gxy {
 /// The sleep is zero for a while after activity, then grows, and is longest after two seconds without activity.
 /// What comes to all ranks after a rest wakes one rank of a tree after the other, and each may still sleep for so
 /// long. But a poll takes up to 25 microseconds of a processor. So of ranks on many nodes those of each node
-/// together poll a thousand times a second at rest, however many they are. Ranks that are all on one node, such as a
+/// together poll a thousand times a second at rest, if they are 16 at most. Ranks that are all on one node, such as a
 /// laptop, are few, and rest longer.
 class Backoff {
  public:

@@ -43,7 +43,10 @@ void Renderer::makePart(const FramePtr& frame) {
   const Trace::Span span(options_.trace, "part of a picture", frame->id);
   const int part = *frame->part;
   try {
-    collect(frame, transport_.rank(), partsMessage(frame->id, bytesOfPart(part, ownRows(*frame))));
+    const Picture rows = ownRows(*frame);
+    const LedgerEntry memory =
+        frame->account().picture.another(2 * int64_t(rows.bytes()));  // with their bytes
+    collect(frame, transport_.rank(), partsMessage(frame->id, bytesOfPart(part, rows)));
   } catch (const std::exception& e) {  // no memory
     collect(frame, transport_.rank(), partsMessage(frame->id, bytesOfPart(part, textOf(e))));
     throw;
@@ -97,13 +100,20 @@ void Renderer::receiveParts(int source, Bytes message) {
 
 void Renderer::sendParts(const FramePtr& frame) {
   Bytes message = partsMessage(frame->id, {});
-  for (auto& [source, parts] : frame->finished) {
-    message.insert(message.end(), parts.begin() + kPartsHeader, parts.end());
-    parts = {};
+  try {
+    size_t bytes = message.size();
+    for (const auto& [source, parts] : frame->finished) bytes += parts.size() - kPartsHeader;
+    message.reserve(bytes);
+    for (auto& [source, parts] : frame->finished) {
+      message.insert(message.end(), parts.begin() + kPartsHeader, parts.end());
+      parts = {};
+    }
+  } catch (const std::exception& e) {  // no memory; the owner must not wait for ever
+    message = partsMessage(frame->id, bytesOfPart(*frame->part, textOf(e)));
   }
-  frame->finishedMemory = {};
   const int above = treeParent(*frame->part, 0, frame->parts.count());
   transport_.send(frame->parts.rank(above), Channel::Contributions, std::move(message));
+  frame->finishedMemory = {};
 }
 
 Picture Renderer::wholePicture(Frame& frame) {

@@ -41,7 +41,7 @@ std::shared_ptr<Geometry> distributed(std::shared_ptr<const OwnedGeometry> owned
 
 DistributedGeometryPtr SharedGeometry::get(const GeometrySource& source, const Vis& vis,
                                            const Partitioning& partitioning, Collectives& ranks,
-                                           const EnterMemory& enter) {
+                                           const EnterMemory& enter, std::vector<LedgerEntry>& compiled) {
   const RenderSpace space = renderSpaceOf(partitioning);
   const Distribution distribution{source.name,
                                   radiiOf(vis),
@@ -57,8 +57,10 @@ DistributedGeometryPtr SharedGeometry::get(const GeometrySource& source, const V
     while (!geometry->blocks.empty()) {
       const auto block = geometry->blocks.extract(geometry->blocks.begin());
       if (block.mapped().ids.empty()) continue;
-      primitives[block.key()] =
+      auto& part = primitives[block.key()];
+      part =
           compilePrimitives(block.mapped(), geometry->kind, vis, space, [&ranks](double) { ranks.check(); });
+      compiled.push_back(enter("geometry", int64_t(part->bytes())));
     }
   });
   return known_.get(distribution, [&] {
@@ -93,13 +95,15 @@ BuiltScene SceneBuilder::build(SceneSource source, Collectives& ranks, const Ent
                                        [](const OperatorSource& o) { return o.geometry.has_value(); });
   int64_t item = 0;
   BuiltScene built;
+  std::vector<LedgerEntry> compiled;  // until the scene has its own entries
   std::vector<OperatorData> data;
   for (size_t i = 0; i < source.data.size(); i++) {
     OperatorSource& from = source.data[i];
     if (from.geometry) {
       const Vis& vis = source.visualization.operators[i];
       onItem(item++, of, "distributing " + vis.dataset);
-      built.geometry.push_back(geometry_.get(*from.geometry, vis, *source.partitioning, ranks, enter));
+      built.geometry.push_back(
+          geometry_.get(*from.geometry, vis, *source.partitioning, ranks, enter, compiled));
       from.data.geometry = built.geometry.back()->geometry;
       from.data.primitives = built.geometry.back()->primitives;
       from.data.owned = from.geometry->owned;
@@ -123,6 +127,7 @@ BuiltScene SceneBuilder::build(SceneSource source, Collectives& ranks, const Ent
   onItem(item++, of, "building the scene");
   agree(ranks, [&] {
     built.device = backend_.makeScene(scene, rank_, advanceOf(ranks));
+    compiled.clear();
     built.memory = memory_.enter(*scene, *built.device, [&](int64_t bytes) { return enter("scene", bytes); });
     const std::lock_guard lock(mutex_);
     scenes_.push_back(scene);

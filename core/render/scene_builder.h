@@ -49,9 +49,11 @@ class SharedGeometry {
  public:
   /// Collective. Returns the geometry with the radii and the values that `vis` gives it. If any rank does not have it, the geometry
   /// is distributed and compiled, and `enter` is called for "geometry", which is in memory until then. If either fails on one rank,
-  /// all ranks throw the same Error.
+  /// all ranks throw the same Error. `compiled` gets the entries of primitives that have been compiled; the caller keeps them until
+  /// a scene with these has entries of its own.
   DistributedGeometryPtr get(const GeometrySource& source, const Vis& vis, const Partitioning& partitioning,
-                             Collectives& ranks, const EnterMemory& enter);
+                             Collectives& ranks, const EnterMemory& enter,
+                             std::vector<LedgerEntry>& compiled);
 
  private:
   /// Name, radiiOf(), Vis::array, Vis::component or -1, and renderSpaceOf() as numbers.

@@ -354,19 +354,23 @@ TEST(Skipped, HierarchiesWithoutGeometry) {
   EXPECT_EQ(treesMade, 2) << "one in each half";
 }
 
-TEST(Skipped, PrimitivesAndHierarchiesThatAnotherSceneHas) {
+// SharedGeometry gives scenes the same primitives (scene_builder_test.cpp).
+TEST(Skipped, HierarchiesOfPrimitivesThatAnotherSceneHas) {
   TestScene s = alongX();
   addBall(s, {0, 0, 0}, 0.3);
   const std::shared_ptr<const CompiledScene> first = compiledOn(whole(kCube), s)[0].compiled;
-  const auto edited = [&](const std::function<void(Visualization&)>& edit) {
-    const std::shared_ptr<const CompiledScene> others[] = {first};
+  const auto ballOf = [](const CompiledScene& scene) { return scene.operators[0].parts.at(0).geometry; };
+  const auto edited = [&](bool sharesPrimitives, const std::function<void(Visualization&)>& edit) {
     Visualization visualization = first->visualization;
     edit(visualization);
-    return compileScene(visualization, {first->operators[0].data}, first->partitioning, s.settings, others);
+    OperatorData data = first->operators[0].data;
+    if (sharesPrimitives)
+      data.primitives = std::make_shared<const CompiledGeometry>(CompiledGeometry{{0, ballOf(*first)}});
+    return compileScene(visualization, {data}, first->partitioning, s.settings);
   };
-  const auto ballOf = [](const CompiledScene& scene) { return scene.operators[0].parts.at(0).geometry; };
-  const auto lit = edited([](Visualization& v) { v.lighting.Kd = 0.25; });
-  const auto thick = edited([](Visualization& v) { v.operators[0].radius0 = v.operators[0].radius1 = 0.4; });
+  const auto lit = edited(true, [](Visualization& v) { v.lighting.Kd = 0.25; });
+  const auto thick =
+      edited(false, [](Visualization& v) { v.operators[0].radius0 = v.operators[0].radius1 = 0.4; });
   EXPECT_EQ(ballOf(*lit), ballOf(*first));
   EXPECT_NE(ballOf(*thick), ballOf(*first));
   EXPECT_GT(ballOf(*thick)->points[3], ballOf(*first)->points[3]);

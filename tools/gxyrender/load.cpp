@@ -292,6 +292,7 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
 
   // Geometry is compiled in every partition that it touches with the radii that its Vis gives it, once for each.
   SharedGeometry distributed;
+  std::vector<LedgerEntry> compiled;
   const EnterMemory enter = [&ledger](const char* purpose, int64_t bytes) {
     return ledger.enter(kTenant, purpose, bytes);
   };
@@ -311,7 +312,7 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
         if (warning && ranks.rank() == 0 && told.insert(*warning).second) spdlog::warn("{}", *warning);
       } else {
         loaded.geometry.push_back(
-            distributed.get({op.dataset, d.geometry}, op, *loaded.partitioning, ranks, enter));
+            distributed.get({op.dataset, d.geometry}, op, *loaded.partitioning, ranks, enter, compiled));
         data.geometry = loaded.geometry.back()->geometry;
         data.primitives = loaded.geometry.back()->primitives;
         data.owned = d.geometry;
