@@ -19,17 +19,19 @@ json Datasets::copyHere(const json& p) {
         serverRank_.objects.pin(Key{p.at("key").get<uint64_t>()}, p.at("generation").get<Generation>());
     const auto original = pin.get<Dataset>();
     const auto copy = std::make_shared<Dataset>();
-    copy->file = original->file;
-    copy->array = original->array;
-    copy->radiusArray = original->radiusArray;
-    copy->fields = original->fields;
+    // What filters have made and simulations have published has no file to be read again, and must not be made again.
+    if (!original->file.empty()) {
+      copy->file = original->file;
+      copy->array = original->array;
+      copy->radiusArray = original->radiusArray;
+      copy->fields = original->fields;
+    }
     copy->color = original->color;
     copy->partitioning = original->partitioning;
     copy->volume = original->volume;
     copy->mesh = original->mesh;
     copy->geometry = original->geometry;
     copy->time = original->time;
-    copy->provenance = original->provenance;
     // Its own source, as what is imported: filters may compare it with newer steps of the original.
     const Publication::Item& item = publication.items().front();
     copy->origins = {{item.key.value, int64_t(item.generation)}};
@@ -46,7 +48,7 @@ json Datasets::copyHere(const json& p) {
 
 json Datasets::copy(Request& request, const std::string& name, const std::string& newName, Scope scope) {
   if (name == newName)
-    throw Error("copy: " + inQuotes(newName) + " is the dataset itself, expected another name");
+    throw Error("copy: both names are " + inQuotes(newName) + ", expected another one for the copy");
   const std::string& tenant = request.session().tenant();
   const auto exchange = serverRank_.exchanges.begin(request);
   const DatasetType type = datasetTypeNamed(get(tenant, name).type).value();

@@ -188,8 +188,9 @@ TEST(Data, ACopyKeepsWhatADatasetWas) {
   EXPECT_EQ(client->expect("copy ball kept").at("generation"), 2);
   EXPECT_EQ(client->expect("range ball").at("range"), client->expect("range kept").at("range"));
   client->expect("drop ball");
+  const json histogram = client->expect("histogram kept 4");
   uint64_t samples = 0;
-  for (const json& count : client->expect("histogram kept 4").at("counts")) samples += count.get<uint64_t>();
+  for (const json& count : histogram.at("counts")) samples += count.get<uint64_t>();
   EXPECT_EQ(samples, 16u * 16 * 16);
   client->expect("drop kept");
   for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->serverRank(rank).ledger.total("user"), 0) << rank;
@@ -211,6 +212,19 @@ TEST(Data, ACopyOfAnothersDataBelongsToWhoMadeIt) {
   }
 }
 
+TEST(Data, ACopyOfWhatAFilterMadeIsNotMadeAgain) {
+  const auto server = serve();
+  const auto client = dataClient(*server);
+  client->expect("load analysis");
+  client->expect(importBall("ball"));
+  client->expect(
+      R"(make {"Datasets": [{"name": "double", "filter": "Derive", "inputs": {"f": "ball"}, "expression": "2 * f"}]})");
+  client->expect("copy double kept");
+  EXPECT_TRUE(client->expect("info double").at("datasets").at(0).contains("provenance"));
+  EXPECT_FALSE(client->expect("info kept").at("datasets").at(0).contains("provenance"));
+  EXPECT_EQ(client->expect("range kept").at("range"), client->expect("range double").at("range"));
+}
+
 TEST(Data, ACopyThatCannotBeMadeChangesNothing) {
   ServerSetup setup;
   setup.ranks = 2;
@@ -219,7 +233,7 @@ TEST(Data, ACopyThatCannotBeMadeChangesNothing) {
   const TestServer server(std::move(setup));
   const auto client = dataClient(server);
   client->expect(importBall("ball"));
-  EXPECT_NE(client->request("copy ball ball").error.find("expected another name"), std::string::npos);
+  EXPECT_NE(client->request("copy ball ball").error.find("both names are"), std::string::npos);
   EXPECT_NE(client->request("copy nothing kept").error.find("there is none that you see"), std::string::npos);
   int copies = 0;
   while (copies < 10 && client->request("copy ball kept" + std::to_string(copies)).ok) copies++;

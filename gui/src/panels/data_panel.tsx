@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The list of data, from which views are opened and copies are made.
-import { useState } from 'react';
+import { useRef, useState } from 'react';
 import { Foreign } from '../app/foreign';
 import { useNotices } from '../app/notices';
 import { useServer } from '../app/server';
@@ -19,19 +19,26 @@ interface RowProps extends DataPanelProps {
   dataset: Dataset;
   /** The names that mean something. */
   taken: ReadonlySet<string>;
+  /** The name means a dataset of the tenant's own, and not this one. */
+  isHidden: boolean;
 }
 
-function Row({ dataset: { name, type, shared, generation }, taken, onView, onAdd }: RowProps) {
+function Row({ dataset: { name, type, shared, generation }, taken, isHidden, onView, onAdd }: RowProps) {
   const isViewOnly = useViewOnly();
   const server = useServer();
   const { say, fail } = useNotices.getState();
   const [isAsked, setAsked] = useState(false);
+  // Names of copies that the list may not have yet.
+  const given = useRef(new Set<string>());
   const keep = (): void => {
-    const copy = copyName(name, taken);
+    const copy = copyName(name, new Set([...taken, ...given.current]));
+    given.current.add(copy);
     server
       .request(statement('data.copy', [name, copy]))
       .then((reply) => say(keptText(name, copy, reply)), fail);
   };
+  const onlyOwn = (help: string) =>
+    editing(isViewOnly, isHidden ? 'A dataset of your own has this name' : help, isHidden);
   return (
     <tr
       draggable={onAdd !== undefined && !isViewOnly}
@@ -71,7 +78,7 @@ function Row({ dataset: { name, type, shared, generation }, taken, onView, onAdd
         <button
           type="button"
           aria-label={`Keep a copy of ${name}`}
-          {...editing(isViewOnly, 'Keep what it is now under another name, which newer data do not change')}
+          {...onlyOwn('Keep what it is now under another name, which newer data do not change')}
           onClick={keep}
         >
           Keep
@@ -79,7 +86,7 @@ function Row({ dataset: { name, type, shared, generation }, taken, onView, onAdd
         <button
           type="button"
           aria-label={isAsked ? `Really drop ${name}` : `Drop ${name}`}
-          {...editing(isViewOnly, 'Forget it on the server; files stay. It asks once more')}
+          {...onlyOwn('Forget it on the server; files stay. It asks once more')}
           onBlur={() => {
             setAsked(false);
           }}
@@ -100,6 +107,7 @@ function Row({ dataset: { name, type, shared, generation }, taken, onView, onAdd
 export function DataPanel({ onView, onAdd }: DataPanelProps) {
   const datasets = useDatasets(useNotices((notices) => notices.fail));
   const taken = new Set(datasets.map(({ name }) => name));
+  const own = new Set(datasets.filter(({ shared }) => !shared).map(({ name }) => name));
   if (datasets.length === 0)
     return (
       <p className="empty">
@@ -124,6 +132,7 @@ export function DataPanel({ onView, onAdd }: DataPanelProps) {
         {datasets.map((dataset) => (
           <Row
             key={`${dataset.shared ? 'shared' : 'private'} ${dataset.name}`}
+            isHidden={dataset.shared && own.has(dataset.name)}
             {...{ dataset, taken, onView, onAdd }}
           />
         ))}

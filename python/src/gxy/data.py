@@ -112,9 +112,13 @@ class Data:
         .vtp, .csv, .ply or .stl."""
         return self.session.ask("data.export", self.name, file, timeout=timeout, limited=False)["file"]
 
-    def copy(self, name: str, timeout: Optional[float] = None) -> Data:
-        """Keeps what it is now under another name, which stays the same when newer data come. The server shares the data."""
-        self.session.ask("data.copy", self.name, name, timeout=timeout, limited=False)
+    def copy(self, name: str, shared: bool = False, timeout: Optional[float] = None) -> Data:
+        """Keeps what it is now under another name, which stays the same when newer data come. The server shares the data.
+
+        shared: all tenants see the copy.
+        """
+        words = ["shared", self.name, name] if shared else [self.name, name]
+        self.session.ask("data.copy", *words, timeout=timeout, limited=False)
         return Data(self.session, name)
 
     def drop(self) -> None:
