@@ -60,7 +60,7 @@ DistributedGeometryPtr SharedGeometry::get(const GeometrySource& source, const V
       auto& part = primitives[block.key()];
       part =
           compilePrimitives(block.mapped(), geometry->kind, vis, space, [&ranks](double) { ranks.check(); });
-      compiled.push_back(enter("geometry", int64_t(part->bytes())));
+      compiled.push_back(enter("scene", int64_t(part->bytes())));
     }
   });
   return known_.get(distribution, [&] {
