@@ -21,8 +21,10 @@ namespace gxy {
 class Reader;
 
 /// Calls named actions on one rank or on all (down a binary tree rooted at the sender), and brings the
-/// results back (up the same tree, so that a rank gets two messages at most, and equal results stand in them once). If a name is unknown, a request or a reply is malformed or an action throws, the sender gets an error
-/// with that rank; none of these ends a process.
+/// results back (up the same tree, so that a rank gets two messages at most, and equal results stand in them
+/// once). If a name is unknown, a request is malformed, the results in a reply are, or an action throws, the
+/// sender gets an error with that rank. A reply that does not say which call it answers is refused, and its
+/// caller still waits. None of these ends a process.
 ///
 /// Threads: any thread may call all functions except the constructor and destructor, handlers included. Only
 /// call() and callAll() wait: call them from the main thread or from postWaiting() and postLong() tasks.
